@@ -1,0 +1,1 @@
+//! Reading and writing: meshes, images, the lapped-texture record.

@@ -1,0 +1,3 @@
+//! The command line: parses arguments, prints errors; nothing else.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! Sparse least squares: matrices, conjugate gradients and their preconditioners. Knows no mesh.

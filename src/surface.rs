@@ -1,0 +1,57 @@
+//! The hinge of the house: whatever can say what the surface looks like at a point is a [`SurfaceTexture`].
+
+use crate::exemplar::ChannelSet;
+use crate::mesh::SurfacePoint;
+use glam::Vec3;
+
+/// What the surface looks like at one point. Only the channels the texture has are meaningful; the others hold neutral
+/// values.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Texel {
+    /// Base colour, linear light, not multiplied by `alpha`.
+    pub base_color: Vec3,
+    /// How much of the point is covered by texture, 0 to 1.
+    pub alpha: f32,
+    /// Unit normal in the mesh's space, as if the face were flat: a renderer that shades smoothly turns it by the
+    /// rotation from the face's normal to the smooth one.
+    pub normal: Vec3,
+    /// Height, 0 to 1, bright is outward.
+    pub height: f32,
+    /// Roughness, 0 to 1.
+    pub roughness: f32,
+    /// Metallic, 0 to 1.
+    pub metallic: f32,
+    /// Ambient occlusion, 0 (dark) to 1.
+    pub occlusion: f32,
+    /// Emitted light, linear.
+    pub emissive: Vec3,
+    /// Opacity of the material itself, 0 to 1.
+    pub opacity: f32,
+}
+
+impl Texel {
+    /// Nothing at all on a face with unit normal `normal`.
+    #[must_use]
+    pub const fn empty(normal: Vec3) -> Self {
+        Self {
+            base_color: Vec3::ZERO,
+            alpha: 0.0,
+            normal,
+            height: 0.5,
+            roughness: 0.8,
+            metallic: 0.0,
+            occlusion: 1.0,
+            emissive: Vec3::ZERO,
+            opacity: 1.0,
+        }
+    }
+}
+
+/// A texture defined on the surface itself.
+pub trait SurfaceTexture: Sync {
+    /// The channels it has.
+    fn channels(&self) -> ChannelSet;
+    /// The texture at a surface point, averaged over about `footprint` (world units, the width of a pixel there; 0 asks
+    /// for the finest level).
+    fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel;
+}
