@@ -2,9 +2,22 @@
 //!
 //! Pixel coordinates are continuous: (0, 0) is the top left corner of the top left pixel, whose centre is (0.5, 0.5).
 
+mod collapse;
+mod coverage_mask;
+pub mod distance;
+pub mod extend;
+pub mod hull;
 pub mod image;
+pub mod mask;
+pub mod outline;
+pub mod patch;
+mod splotch;
 
+pub use hull::Hull;
 pub use image::{Image, MipChain};
+pub use mask::CoverageMask;
+pub use outline::Outline;
+pub use patch::{PatchOptions, PatchShape, PatchSource, PatchSpec, make_patches};
 
 use glam::Vec2;
 
@@ -178,8 +191,8 @@ pub struct TexturePatch {
     pub origin: [i32; 2],
     /// Alpha, one component, 0 to 1. Its border pixels are 0, and so are those of every mip level finer than 2x2 (LT 4).
     pub mask: MipChain,
-    /// Conservative hull of all pixels with alpha, counter-clockwise seen with y up, pixels of the exemplar (LT 3.3).
-    pub hull: Vec<Vec2>,
+    /// Conservative hull of all that has alpha under bilinear filtering, pixels of the exemplar (LT 3.3).
+    pub hull: Hull,
     /// Deepest point of the opaque part, pixels of the exemplar. Alpha is 1 here.
     pub centre: Vec2,
     /// How often it is chosen, relative to the others. Positive.
@@ -217,6 +230,16 @@ pub enum ExemplarError {
         what: String,
         /// Pixels needed.
         need: f32,
+        /// What to do.
+        remedy: String,
+    },
+    /// A patch that cannot be asked for.
+    #[error("{what} is {found}: {remedy}")]
+    BadPatch {
+        /// Which setting.
+        what: String,
+        /// Its value.
+        found: String,
         /// What to do.
         remedy: String,
     },
