@@ -2,8 +2,30 @@
 //!
 //! Texture space is measured in exemplar widths: `s` runs right, `t` up along the image, and the vector T at a face maps
 //! to the unit step up. So the length of T is the world length of one exemplar width there.
+//!
+//! * [`up()`] projects one axis onto every face.
+//! * [`isotropic()`] gives a scale alone, for exemplars that look the same every way.
 
-use glam::Vec3;
+pub mod fill;
+pub mod transport;
+pub mod up;
+
+pub use up::{UpStatistics, up};
+
+use crate::mesh::Mesh;
+use glam::{DVec3, Vec3};
+
+/// Why a field cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FieldError {
+    /// The scale is no usable length.
+    #[error("the scale (world length of one exemplar width) is {0}: give a finite length above zero")]
+    Scale(f64),
+    /// The axis has no direction.
+    #[error("the up axis is {0}: give three finite numbers that are not all zero")]
+    Axis(DVec3),
+}
 
 /// A texture direction and scale per face.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,6 +35,20 @@ pub struct TangentField {
     /// S: texture right, in the face's plane, where it is not simply T x N: a full tangential basis with shear and
     /// non-uniform stretch (LT 3.2).
     pub right: Option<Vec<Vec3>>,
+}
+
+impl TangentField {
+    /// The tangential basis (S, T) of a face.
+    #[inline]
+    #[must_use]
+    pub fn basis(&self, mesh: &Mesh, face: u32) -> (DVec3, DVec3) {
+        let t = self.up[face as usize].as_dvec3();
+        let s = match &self.right {
+            Some(right) => right[face as usize].as_dvec3(),
+            None => t.cross(mesh.normal(face)),
+        };
+        (s, t)
+    }
 }
 
 /// What steers the texture over the surface.
@@ -25,4 +61,49 @@ pub enum Guide {
         /// Per face, world length of one exemplar width.
         scale: Vec<f32>,
     },
+}
+
+impl Guide {
+    /// World length of one exemplar width at a face.
+    #[inline]
+    #[must_use]
+    pub fn scale(&self, face: u32) -> f32 {
+        match self {
+            Self::Directed(field) => field.up[face as usize].length(),
+            Self::Isotropic { scale } => scale[face as usize],
+        }
+    }
+
+    /// The tangent field, if there is one.
+    #[must_use]
+    pub const fn field(&self) -> Option<&TangentField> {
+        match self {
+            Self::Directed(field) => Some(field),
+            Self::Isotropic { .. } => None,
+        }
+    }
+}
+
+/// Exemplar areas on the surface at the default scale.
+pub const DEFAULT_RATIO: f64 = 40.0;
+
+/// The scale (world length of one exemplar width) at which the surface has `ratio` times the exemplar's area; `aspect` is
+/// the exemplar's width divided by its height.
+#[must_use]
+pub fn default_scale(mesh: &Mesh, ratio: f64, aspect: f64) -> f64 {
+    (mesh.total_area() * aspect / ratio).sqrt()
+}
+
+/// The same scale at every face, and no direction.
+///
+/// # Errors
+/// If the scale is not a usable length.
+pub fn isotropic(mesh: &Mesh, scale: f64) -> Result<Guide, FieldError> {
+    Ok(Guide::Isotropic { scale: vec![usable_scale(scale)?; mesh.face_count()] })
+}
+
+/// The scale as it is stored, if it is a length at all.
+pub(crate) fn usable_scale(scale: f64) -> Result<f32, FieldError> {
+    let stored = scale as f32;
+    if stored.is_normal() && stored > 0.0 { Ok(stored) } else { Err(FieldError::Scale(scale)) }
 }

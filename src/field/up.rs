@@ -1,0 +1,144 @@
+//! One axis projected onto every face (LT 3.2: "project the global up direction onto the surface, and then normalize").
+//!
+//! Where a face lies square to the axis the projection says nothing but rounding and noise; such faces take their
+//! direction from their neighbours (see [`super::fill`]).
+
+use super::fill::fill;
+use super::transport::projected;
+use super::{FieldError, TangentField, usable_scale};
+use crate::mesh::Mesh;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// A projection shorter than this share of the axis is not trusted: the face is within 3 degrees of square to it, where a
+/// flat top with the least unevenness would give every face a direction of its own.
+const LEAST_PROJECTION: f64 = 0.05;
+
+/// What [`up`] met.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct UpStatistics {
+    /// Faces (nearly) square to the axis, that took their direction from neighbours.
+    pub filled_faces: usize,
+}
+
+/// The axis projected into every face's plane, `scale` long.
+///
+/// # Errors
+/// If the axis is zero or not finite, or the scale is not a usable length.
+pub fn up(mesh: &Mesh, axis: DVec3, scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
+    let scale = usable_scale(scale)?;
+    let (directions, filled_faces) = directions(mesh, axis)?;
+    let up = directions.into_iter().map(|d| d * scale).collect();
+    Ok((TangentField { up, right: None }, UpStatistics { filled_faces }))
+}
+
+/// Unit directions of [`up`], and how many of them came from neighbours.
+pub(super) fn directions(mesh: &Mesh, axis: DVec3) -> Result<(Vec<Vec3>, usize), FieldError> {
+    let unit = axis.try_normalize().filter(|u| u.is_finite()).ok_or(FieldError::Axis(axis))?;
+    let mut directions: Vec<Vec3> = (0..mesh.face_count() as u32)
+        .into_par_iter()
+        .map(|f| {
+            let flat = projected(unit, mesh.normal(f));
+            if flat.length() < LEAST_PROJECTION { Vec3::ZERO } else { flat.normalize().as_vec3() }
+        })
+        .collect();
+    let filled = fill(mesh, &mut directions, stand_ins(unit));
+    Ok((directions, filled))
+}
+
+/// Axes for a component that lies square to `axis` everywhere, like a floor: the axis itself, then two across it.
+pub(super) fn stand_ins(axis: DVec3) -> [DVec3; 3] {
+    let across = axis.any_orthonormal_vector();
+    [axis, across, axis.cross(across)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::transport::turned;
+    use crate::mesh::NONE;
+
+    /// A box on an n x n grid per side, welded; its top and bottom are square to z.
+    fn cube(n: u32) -> Mesh {
+        let mut positions = Vec::new();
+        let mut faces = Vec::new();
+        for axis in 0..3 {
+            for side in [-1.0_f32, 1.0] {
+                let start = positions.len() as u32;
+                for i in 0..=n {
+                    for j in 0..=n {
+                        let mut p = [side; 3];
+                        p[(axis + 1) % 3] = (2 * i) as f32 / n as f32 - 1.0;
+                        p[(axis + 2) % 3] = (2 * j) as f32 / n as f32 - 1.0;
+                        positions.push(Vec3::from(p));
+                    }
+                }
+                for i in 0..n {
+                    for j in 0..n {
+                        let a = start + i * (n + 1) + j;
+                        let (b, c, d) = (a + n + 1, a + n + 2, a + 1);
+                        let quad = if side > 0.0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
+                        faces.extend(quad);
+                    }
+                }
+            }
+        }
+        crate::mesh::clean(&positions, &faces, &crate::mesh::CleanOptions::default()).expect("a cube").mesh
+    }
+
+    #[test]
+    fn the_axis_lies_in_every_plane_and_flat_tops_continue_their_sides() {
+        let mesh = cube(6);
+        let (field, statistics) = up(&mesh, DVec3::Z * 3.0, 0.5).expect("a field");
+        assert_eq!(statistics.filled_faces, 2 * 2 * 36, "top and bottom");
+        for f in 0..mesh.face_count() as u32 {
+            let t = field.up[f as usize].as_dvec3();
+            assert!((t.length() - 0.5).abs() < 1e-6, "length {t}");
+            assert!(t.dot(mesh.normal(f)).abs() < 1e-6, "in the plane {t}");
+            for k in 0..3 {
+                let g = mesh.neighbour(f, k);
+                let turns = g != NONE && mesh.normal(f).z > 0.9 && mesh.normal(g).z < 0.1;
+                if turns {
+                    let carried = turned(field.up[g as usize].as_dvec3(), mesh.normal(g), mesh.normal(f));
+                    assert!(carried.angle_between(t) < 0.8, "face {f} on the rim continues the side below it");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_floor_still_gets_one_direction_everywhere() {
+        let p = vec![Vec3::ZERO, Vec3::X, Vec3::ONE.with_z(0.0), Vec3::Y];
+        let mesh = Mesh::new(p, vec![[0, 1, 2], [0, 2, 3]]).expect("a square");
+        let (field, statistics) = up(&mesh, DVec3::Z, 2.0).expect("a field");
+        assert_eq!(statistics.filled_faces, 2, "both faces are square to the axis");
+        assert!((field.up[0] - field.up[1]).length() < 1e-6 && (field.up[0].length() - 2.0).abs() < 1e-6, "{:?}", field.up);
+    }
+
+    #[test]
+    fn turning_mesh_and_axis_turns_the_field() {
+        let mesh = cube(5);
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
+        let mut turned = mesh.clone();
+        turned.positions.iter_mut().for_each(|p| *p = (turn * p.as_dvec3()).as_vec3());
+        let axis = DVec3::new(0.2, 1.0, 0.4);
+        let (here, _) = up(&mesh, axis, 1.0).expect("a field");
+        let (there, _) = up(&turned, turn * axis, 1.0).expect("a field");
+        for (f, (a, b)) in here.up.iter().zip(&there.up).enumerate() {
+            assert!(((turn * a.as_dvec3()).as_vec3() - b).length() < 1e-4, "face {f}: {a} {b}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_axis_and_no_scale_is_refused() {
+        let mesh = cube(1);
+        for axis in [DVec3::ZERO, DVec3::new(f64::NAN, 0.0, 1.0), DVec3::splat(f64::INFINITY)] {
+            assert!(matches!(up(&mesh, axis, 1.0), Err(FieldError::Axis(_))), "axis {axis}");
+        }
+        for scale in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-60] {
+            assert!(matches!(up(&mesh, DVec3::Z, scale), Err(FieldError::Scale(_))), "scale {scale}");
+        }
+    }
+}
