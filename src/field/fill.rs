@@ -6,7 +6,7 @@
 //!
 //! Both steps take each ring or sweep from the state before it, so that the order of faces does not show.
 
-use super::transport::{across, projected};
+use crate::mesh::transport::{across, projected};
 use crate::mesh::{Mesh, NONE};
 use glam::{DVec3, Vec3};
 

@@ -7,7 +7,6 @@
 //! * [`isotropic()`] gives a scale alone, for exemplars that look the same every way.
 
 pub mod fill;
-pub mod transport;
 pub mod up;
 
 pub use up::{UpStatistics, up};

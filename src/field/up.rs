@@ -4,9 +4,9 @@
 //! direction from their neighbours (see [`super::fill`]).
 
 use super::fill::fill;
-use super::transport::projected;
 use super::{FieldError, TangentField, usable_scale};
 use crate::mesh::Mesh;
+use crate::mesh::transport::projected;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -57,36 +57,9 @@ pub(super) fn stand_ins(axis: DVec3) -> [DVec3; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::transport::turned;
     use crate::mesh::NONE;
-
-    /// A box on an n x n grid per side, welded; its top and bottom are square to z.
-    fn cube(n: u32) -> Mesh {
-        let mut positions = Vec::new();
-        let mut faces = Vec::new();
-        for axis in 0..3 {
-            for side in [-1.0_f32, 1.0] {
-                let start = positions.len() as u32;
-                for i in 0..=n {
-                    for j in 0..=n {
-                        let mut p = [side; 3];
-                        p[(axis + 1) % 3] = (2 * i) as f32 / n as f32 - 1.0;
-                        p[(axis + 2) % 3] = (2 * j) as f32 / n as f32 - 1.0;
-                        positions.push(Vec3::from(p));
-                    }
-                }
-                for i in 0..n {
-                    for j in 0..n {
-                        let a = start + i * (n + 1) + j;
-                        let (b, c, d) = (a + n + 1, a + n + 2, a + 1);
-                        let quad = if side > 0.0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] };
-                        faces.extend(quad);
-                    }
-                }
-            }
-        }
-        crate::mesh::clean(&positions, &faces, &crate::mesh::CleanOptions::default()).expect("a cube").mesh
-    }
+    use crate::mesh::shapes::cube;
+    use crate::mesh::transport::turned;
 
     #[test]
     fn the_axis_lies_in_every_plane_and_flat_tops_continue_their_sides() {

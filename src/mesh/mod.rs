@@ -8,6 +8,14 @@
 //! has one fan of faces. [`clean`] makes one from whatever a file holds.
 
 pub mod clean;
+pub mod curvature;
+pub mod geodesic;
+pub mod nearest;
+pub mod subdivide;
+pub mod transport;
+
+#[cfg(test)]
+pub(crate) mod shapes;
 
 pub use clean::{CleanOptions, CleanReport, Cleaned, clean};
 

@@ -1,6 +1,6 @@
 //! Parallel transport of tangent vectors from face to face and from plane to plane.
 
-use crate::mesh::{Mesh, NONE};
+use super::{Mesh, NONE};
 use glam::DVec3;
 
 /// A vector in the plane of the face of half-edge `h`, carried over that edge into the plane of the face beyond: the two

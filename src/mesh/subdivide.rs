@@ -1,0 +1,192 @@
+//! Local subdivision: marked faces are cut in four, the faces around them so that no vertex ends on an edge.
+//!
+//! Based on: Bank, Sherman, Weiser, "Refinement algorithms and data structures for regular local mesh refinement" (1983):
+//! red faces are cut in four at their edge midpoints, green ones in two.
+//!
+//! 1. Marked faces are red: all their edges are cut. A face with two cut edges turns red too, which cuts its third; this is
+//!    repeated until nothing changes.
+//! 2. A face with one cut edge is cut in two, from the midpoint to the corner across.
+//!
+//! New vertices lie at edge midpoints, so the surface does not move.
+
+use super::{Mesh, MeshError, NONE, next};
+use glam::Vec3;
+
+/// A subdivided mesh and the way back to the one it came from.
+#[derive(Debug, Clone)]
+pub struct Subdivision {
+    /// The finer mesh. Its first vertices are the coarse mesh's.
+    pub mesh: Mesh,
+    /// The coarse face each fine face lies in. Never decreasing: children are consecutive, parents keep their order.
+    pub parent: Vec<u32>,
+    /// Barycentric coordinates of each fine face's corners in its parent.
+    pub corners: Vec<[Vec3; 3]>,
+}
+
+impl Subdivision {
+    /// A mesh as its own subdivision, nothing cut.
+    #[must_use]
+    pub fn none(mesh: &Mesh) -> Self {
+        Self {
+            mesh: mesh.clone(),
+            parent: (0..mesh.face_count() as u32).collect(),
+            corners: vec![[Vec3::X, Vec3::Y, Vec3::Z]; mesh.face_count()],
+        }
+    }
+
+    /// This subdivision followed by one of its mesh, as a single one.
+    #[must_use]
+    pub fn then(&self, finer: Self) -> Self {
+        let parent = finer.parent.iter().map(|&f| self.parent[f as usize]).collect();
+        let corners = finer
+            .parent
+            .iter()
+            .zip(&finer.corners)
+            .map(|(&f, corners)| {
+                let [a, b, c] = self.corners[f as usize];
+                corners.map(|w| a * w.x + b * w.y + c * w.z)
+            })
+            .collect();
+        Self { mesh: finer.mesh, parent, corners }
+    }
+}
+
+/// Cuts the marked faces in four and closes the rest. Linear in the size of the mesh. `marked` holds one flag a face; faces
+/// beyond its end count as not marked.
+///
+/// # Errors
+/// If the result has more faces than a mesh can hold.
+pub fn subdivide(mesh: &Mesh, marked: &[bool]) -> Result<Subdivision, MeshError> {
+    let cut = cut_edges(mesh, marked);
+    let (midpoint, positions) = midpoints(mesh, &cut);
+    let mut faces = Vec::with_capacity(mesh.face_count());
+    let mut parent = Vec::with_capacity(mesh.face_count());
+    let mut corners = Vec::with_capacity(mesh.face_count());
+    for f in 0..mesh.face_count() as u32 {
+        // Corners 0 to 2, then the midpoints of the edges that start at them.
+        let m = [0, 1, 2].map(|k| midpoint[(3 * f + k) as usize]);
+        let [a, b, c] = mesh.faces[f as usize];
+        let vertex = [a, b, c, m[0], m[1], m[2]];
+        for child in children(m.map(|v| v != NONE)) {
+            faces.push(child.map(|local| vertex[local]));
+            parent.push(f);
+            corners.push(child.map(|local| LOCAL[local]));
+        }
+    }
+    Ok(Subdivision { mesh: Mesh::new(positions, faces)?, parent, corners })
+}
+
+/// Barycentric coordinates of a face's corners and edge midpoints.
+const LOCAL: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(0.5, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.5), Vec3::new(0.5, 0.0, 0.5)];
+
+/// The children of a face by which of its edges are cut, in terms of [`LOCAL`].
+fn children(cut: [bool; 3]) -> &'static [[usize; 3]] {
+    match cut {
+        [false, false, false] => &[[0, 1, 2]],
+        [true, false, false] => &[[0, 3, 2], [3, 1, 2]],
+        [false, true, false] => &[[1, 4, 0], [4, 2, 0]],
+        [false, false, true] => &[[2, 5, 1], [5, 0, 1]],
+        // Two cut edges do not occur: such faces are red.
+        _ => &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+    }
+}
+
+/// Per half-edge, whether its edge is cut; closed under "two cut edges cut the third".
+fn cut_edges(mesh: &Mesh, marked: &[bool]) -> Vec<bool> {
+    let mut cut = vec![false; mesh.opposite.len()];
+    let mut red: Vec<u32> = (0..mesh.face_count() as u32).filter(|&f| marked.get(f as usize) == Some(&true)).collect();
+    while let Some(f) = red.pop() {
+        for h in 3 * f..3 * f + 3 {
+            let o = mesh.opposite[h as usize];
+            if std::mem::replace(&mut cut[h as usize], true) || o == NONE {
+                continue;
+            }
+            cut[o as usize] = true;
+            let (p, q) = (next(o), next(next(o)));
+            if cut[p as usize] != cut[q as usize] {
+                red.push(o / 3);
+            }
+        }
+    }
+    cut
+}
+
+/// The vertex at the middle of each half-edge ([`NONE`] if it is not cut), and all positions.
+fn midpoints(mesh: &Mesh, cut: &[bool]) -> (Vec<u32>, Vec<Vec3>) {
+    let mut midpoint = vec![NONE; cut.len()];
+    let mut positions = mesh.positions.clone();
+    for h in (0..cut.len() as u32).filter(|&h| cut[h as usize]) {
+        let o = mesh.opposite[h as usize];
+        if o != NONE && o < h {
+            midpoint[h as usize] = midpoint[o as usize];
+            continue;
+        }
+        midpoint[h as usize] = positions.len() as u32;
+        positions.push(((mesh.point(mesh.origin(h)) + mesh.point(mesh.origin(next(h)))) / 2.0).as_vec3());
+    }
+    (midpoint, positions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes;
+    use crate::random::Random;
+
+    fn some(mesh: &Mesh, share: f64, seed: u64) -> Vec<bool> {
+        let mut random = Random::new(seed, 0);
+        (0..mesh.face_count()).map(|_| random.unit() < share).collect()
+    }
+
+    #[test]
+    fn topology_area_and_orientation_stay() {
+        for mesh in [shapes::torus(12, 9, 1.0, 0.3), shapes::uneven_square(12), shapes::sphere(2)] {
+            for (seed, share) in [0.0, 0.02, 0.2, 0.7, 1.0].into_iter().enumerate() {
+                let fine = subdivide(&mesh, &some(&mesh, share, seed as u64)).expect("it fits");
+                fine.mesh.check().expect("a mesh without vertices on edges");
+                assert_eq!(fine.mesh.euler_characteristic(), mesh.euler_characteristic(), "Euler characteristic");
+                assert_eq!(fine.mesh.boundary_loop_count(), mesh.boundary_loop_count(), "boundary loops");
+                let change = (fine.mesh.total_area() / mesh.total_area() - 1.0).abs();
+                assert!(change < 1e-5, "area changed by {change}");
+                for (f, &parent) in fine.parent.iter().enumerate() {
+                    let agree = fine.mesh.normal(f as u32).dot(mesh.normal(parent));
+                    assert!(agree > 0.999, "child {f} is turned against its parent: {agree}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn marked_faces_have_four_children_and_unmarked_meshes_stay() {
+        let mesh = shapes::torus(12, 9, 1.0, 0.3);
+        let marked = some(&mesh, 0.1, 3);
+        let fine = subdivide(&mesh, &marked).expect("it fits");
+        let mut children = vec![0; mesh.face_count()];
+        fine.parent.iter().for_each(|&p| children[p as usize] += 1);
+        for (f, (&count, marked)) in children.iter().zip(marked).enumerate() {
+            assert!(matches!(count, 1 | 2 | 4), "face {f} has {count} children");
+            assert!(!marked || count == 4, "marked face {f} has {count} children");
+        }
+        assert!(fine.parent.is_sorted(), "children are consecutive and parents in order");
+        assert_eq!(subdivide(&mesh, &[]).expect("it fits").mesh, mesh, "nothing marked, nothing changed");
+        let all = subdivide(&mesh, &vec![true; mesh.face_count()]).expect("it fits");
+        assert_eq!(all.mesh.face_count(), 4 * mesh.face_count(), "all marked: four times the faces");
+    }
+
+    #[test]
+    fn corners_lead_back_through_several_rounds() {
+        let mesh = shapes::uneven_square(8);
+        let mut fine = Subdivision::none(&mesh);
+        for round in 0..3 {
+            let finer = subdivide(&fine.mesh, &some(&fine.mesh, 0.2, round)).expect("it fits");
+            fine = fine.then(finer);
+        }
+        assert!(fine.mesh.face_count() > 3 * mesh.face_count(), "{} faces", fine.mesh.face_count());
+        for (f, (corners, &parent)) in fine.corners.iter().zip(&fine.parent).enumerate() {
+            for (here, &bary) in fine.mesh.corners(f as u32).into_iter().zip(corners) {
+                let there = mesh.position(crate::mesh::SurfacePoint { face: parent, bary });
+                assert!(here.distance(there) < 1e-6, "a corner of face {f}: {here} is not {there}");
+            }
+        }
+    }
+}
