@@ -4,27 +4,25 @@
 //! to the unit step up. So the length of T is the world length of one exemplar width there.
 //!
 //! * [`up()`] projects one axis onto every face.
-//! * [`isotropic()`] gives a scale alone, for exemplars that look the same every way.
+//! * [`Constraints`] are what a user asks for at a few places; tied to a mesh they are [`Anchor`]s.
+//! * [`constrained()`] spreads anchors over the surface.
+//! * [`isotropic()`] and [`constrained_scale()`] give a scale alone, for exemplars that look the same every way.
 
+pub mod constrained;
+pub mod constraints;
+pub mod error;
 pub mod fill;
+pub mod spread;
 pub mod up;
 
+pub use constrained::{ConstrainedStatistics, FieldOptions, constrained, constrained_scale, isotropic};
+pub use constraints::{Anchor, Constraint, Constraints};
+pub use error::{ConstraintProblem, FieldError};
+pub use spread::Carry;
 pub use up::{UpStatistics, up};
 
 use crate::mesh::Mesh;
 use glam::{DVec3, Vec3};
-
-/// Why a field cannot be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum FieldError {
-    /// The scale is no usable length.
-    #[error("the scale (world length of one exemplar width) is {0}: give a finite length above zero")]
-    Scale(f64),
-    /// The axis has no direction.
-    #[error("the up axis is {0}: give three finite numbers that are not all zero")]
-    Axis(DVec3),
-}
 
 /// A texture direction and scale per face.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,14 +89,6 @@ pub const DEFAULT_RATIO: f64 = 40.0;
 #[must_use]
 pub fn default_scale(mesh: &Mesh, ratio: f64, aspect: f64) -> f64 {
     (mesh.total_area() * aspect / ratio).sqrt()
-}
-
-/// The same scale at every face, and no direction.
-///
-/// # Errors
-/// If the scale is not a usable length.
-pub fn isotropic(mesh: &Mesh, scale: f64) -> Result<Guide, FieldError> {
-    Ok(Guide::Isotropic { scale: vec![usable_scale(scale)?; mesh.face_count()] })
 }
 
 /// The scale as it is stored, if it is a length at all.

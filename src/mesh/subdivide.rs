@@ -9,8 +9,8 @@
 //!
 //! New vertices lie at edge midpoints, so the surface does not move.
 
-use super::{Mesh, MeshError, NONE, next};
-use glam::Vec3;
+use super::{Mesh, MeshError, NONE, SurfacePoint, next};
+use glam::{Mat3, Vec3};
 
 /// A subdivided mesh and the way back to the one it came from.
 #[derive(Debug, Clone)]
@@ -32,6 +32,24 @@ impl Subdivision {
             parent: (0..mesh.face_count() as u32).collect(),
             corners: vec![[Vec3::X, Vec3::Y, Vec3::Z]; mesh.face_count()],
         }
+    }
+
+    /// The fine surface point at a point of the coarse mesh.
+    #[must_use]
+    pub fn locate(&self, at: SurfacePoint) -> SurfacePoint {
+        let first = self.parent.partition_point(|&p| p < at.face);
+        let last = self.parent.partition_point(|&p| p <= at.face);
+        // The child in which the point lies deepest: no rounding leaves it between children.
+        let mut best = (f32::NEG_INFINITY, SurfacePoint { face: first as u32, bary: at.bary });
+        for face in first..last {
+            let inverse = Mat3::from_cols_array_2d(&self.corners[face].map(Into::into)).inverse();
+            let bary = inverse * at.bary;
+            if bary.min_element() > best.0 {
+                let inside = bary.max(Vec3::ZERO);
+                best = (bary.min_element(), SurfacePoint { face: face as u32, bary: inside / inside.element_sum() });
+            }
+        }
+        best.1
     }
 
     /// This subdivision followed by one of its mesh, as a single one.
@@ -174,6 +192,22 @@ mod tests {
     }
 
     #[test]
+    fn a_point_is_found_again_on_the_fine_mesh() {
+        let mesh = shapes::torus(12, 9, 1.0, 0.3);
+        let once = subdivide(&mesh, &some(&mesh, 0.3, 5)).expect("it fits");
+        let fine = once.then(subdivide(&once.mesh, &some(&once.mesh, 0.3, 6)).expect("it fits"));
+        let mut random = Random::new(9, 0);
+        for face in 0..mesh.face_count() as u32 {
+            let (a, b) = (random.unit() as f32, random.unit() as f32);
+            let at = SurfacePoint { face, bary: Vec3::new(1.0 - a, a * (1.0 - b), a * b) };
+            let there = fine.locate(at);
+            assert_eq!(fine.parent[there.face as usize], face, "a child of its face");
+            let apart = fine.mesh.position(there).distance(mesh.position(at));
+            assert!(apart < 1e-5, "{apart} from its place");
+        }
+    }
+
+    #[test]
     fn corners_lead_back_through_several_rounds() {
         let mesh = shapes::uneven_square(8);
         let mut fine = Subdivision::none(&mesh);
@@ -184,7 +218,7 @@ mod tests {
         assert!(fine.mesh.face_count() > 3 * mesh.face_count(), "{} faces", fine.mesh.face_count());
         for (f, (corners, &parent)) in fine.corners.iter().zip(&fine.parent).enumerate() {
             for (here, &bary) in fine.mesh.corners(f as u32).into_iter().zip(corners) {
-                let there = mesh.position(crate::mesh::SurfacePoint { face: parent, bary });
+                let there = mesh.position(SurfacePoint { face: parent, bary });
                 assert!(here.distance(there) < 1e-6, "a corner of face {f}: {here} is not {there}");
             }
         }
