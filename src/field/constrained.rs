@@ -5,9 +5,10 @@
 use super::constraints::Anchor;
 use super::fill::fill;
 use super::spread::{self, Carry};
-use super::up::{directions as up_directions, stand_ins};
+use super::up::{directions as up_directions, directions_on, stand_ins};
 use super::{FieldError, Guide, TangentField, usable_scale};
 use crate::mesh::Mesh;
+use crate::mesh::subdivide::Subdivision;
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
@@ -57,18 +58,42 @@ pub fn constrained(
     anchors: &[Anchor],
     options: &FieldOptions,
 ) -> Result<(TangentField, ConstrainedStatistics), FieldError> {
+    through_anchors(mesh, anchors, options, || up_directions(mesh, options.axis))
+}
+
+/// [`constrained`] on a subdivision of the mesh that the anchors are tied to.
+///
+/// # Errors
+/// As [`constrained`].
+pub fn constrained_on(
+    mesh: &Mesh,
+    fine: &Subdivision,
+    anchors: &[Anchor],
+    options: &FieldOptions,
+) -> Result<(TangentField, ConstrainedStatistics), FieldError> {
+    let anchors: Vec<Anchor> = anchors.iter().map(|a| a.on(fine)).collect();
+    through_anchors(&fine.mesh, &anchors, options, || directions_on(mesh, fine, options.axis))
+}
+
+fn through_anchors(
+    mesh: &Mesh,
+    anchors: &[Anchor],
+    options: &FieldOptions,
+    base: impl Fn() -> Result<(Vec<Vec3>, usize), FieldError>,
+) -> Result<(TangentField, ConstrainedStatistics), FieldError> {
     let (scales, mut statistics) = scales(mesh, anchors, options)?;
-    let mut directions = if anchors.iter().any(|a| a.direction.is_some()) {
-        let base = (options.base_weight > 0.0).then(|| up_directions(mesh, options.axis)).transpose()?;
-        let base = base.as_ref().map(|(directions, _)| (directions.as_slice(), options.base_weight));
+    let directions = if anchors.iter().any(|a| a.direction.is_some()) {
+        let base = if options.base_weight > 0.0 { Some((base()?.0, options.base_weight)) } else { None };
         let blended = spread::directions(mesh, anchors, base, options.carry);
-        blended.into_iter().map(|d| if d.length() < CANCELLED { Vec3::ZERO } else { d.normalize() }).collect()
+        let settled = |d: Vec3| if d.length() < CANCELLED { Vec3::ZERO } else { d.normalize() };
+        let mut directions = blended.into_iter().map(settled).collect::<Vec<_>>();
+        statistics.filled_faces = fill(mesh, &mut directions, stand_ins(options.axis.normalize_or(DVec3::Y)));
+        directions
     } else {
-        let (directions, filled) = up_directions(mesh, options.axis)?;
+        let (directions, filled) = base()?;
         statistics.filled_faces = filled;
         directions
     };
-    statistics.filled_faces += fill(mesh, &mut directions, stand_ins(options.axis.normalize_or(DVec3::Y)));
     let up: Vec<Vec3> = directions.iter().zip(&scales).map(|(&d, &scale)| d * scale).collect();
     let right = anchors.iter().any(|a| a.ln_stretch.is_some() || a.shear.is_some()).then(|| {
         let stretch = spread::numbers(mesh, anchors, options.base_weight, |a| a.ln_stretch);
@@ -117,4 +142,198 @@ fn scales(mesh: &Mesh, anchors: &[Anchor], options: &FieldOptions) -> Result<(Ve
         relative_scale: [low.exp(), high.exp()],
     };
     Ok((scales?, statistics))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{Constraint, Constraints};
+    use crate::mesh::shapes;
+    use crate::random::Random;
+
+    fn file(constraints: Vec<Constraint>) -> Constraints {
+        Constraints { constraints, ..Constraints::default() }
+    }
+
+    fn point(position: DVec3) -> Constraint {
+        Constraint { position: Some(position.into()), ..Constraint::default() }
+    }
+
+    fn anchors(mesh: &Mesh, constraints: Vec<Constraint>) -> Vec<Anchor> {
+        file(constraints).anchors(mesh, None, DVec3::Y).expect("good constraints")
+    }
+
+    fn square() -> Mesh {
+        shapes::uneven_square(24)
+    }
+
+    #[test]
+    fn one_constraint_on_a_plane_gives_a_constant_field() {
+        let mesh = square();
+        let wish = Constraint { direction: Some([2.0, 1.0, 5.0]), scale: Some(0.5), ..point(DVec3::new(0.2, 0.9, 0.3)) };
+        for carry in [Carry::Transport, Carry::Project] {
+            let options = FieldOptions { scale: 3.0, carry, ..FieldOptions::default() };
+            let (field, statistics) = constrained(&mesh, &anchors(&mesh, vec![wish.clone()]), &options).expect("a field");
+            let wanted = Vec3::new(2.0, 1.0, 0.0).normalize() * 1.5;
+            for (f, t) in field.up.iter().enumerate() {
+                assert!((t - wanted).length() < 1e-5, "face {f}: {t}");
+            }
+            assert!((statistics.farthest_position - 0.3).abs() < 1e-6, "{statistics:?}");
+            assert_eq!(field.right, None, "no shear was asked for");
+        }
+    }
+
+    #[test]
+    fn constraints_apart_are_met_and_the_nearest_rules_far_away() {
+        let mesh = shapes::torus(60, 30, 1.0, 0.35);
+        let (east, west) = (DVec3::X * 1.35, DVec3::X * -1.35);
+        let wishes = vec![
+            Constraint { direction: Some([0.0, 1.0, 0.3]), scale: Some(2.0), extent: Some(0.2), ..point(east) },
+            Constraint { direction: Some([0.0, 0.2, 1.0]), scale: Some(0.25), extent: Some(0.2), ..point(west) },
+        ];
+        let anchors = anchors(&mesh, wishes);
+        let (field, _) = constrained(&mesh, &anchors, &FieldOptions::default()).expect("a field");
+        for (anchor, scale) in anchors.iter().zip([2.0, 0.25]) {
+            let t = field.up[anchor.at.face as usize].as_dvec3();
+            assert!((t.length() / scale - 1.0).abs() < 1e-3, "scale {} at {:?}", t.length(), anchor.at);
+            assert!(t.normalize().dot(anchor.direction.expect("given")) > 0.99999, "direction {t} at {:?}", anchor.at);
+        }
+        // Six to eight extents away from both, still on one's side.
+        for f in 0..mesh.face_count() as u32 {
+            let c = mesh.centroid(f);
+            if c.y.abs() > 0.9 && c.x.abs() > 0.4 {
+                let wanted = if c.x > 0.0 { 2.0 } else { 0.25 };
+                let scale = f64::from(field.up[f as usize].length());
+                assert!((scale / wanted).ln().abs() < 0.05, "face {f} at {c}: {scale}");
+            }
+        }
+    }
+
+    #[test]
+    fn blending_weighs_by_the_gaussian_of_the_distance() {
+        let mesh = square();
+        let (left, right) = (DVec3::new(0.1, 0.5, 0.0), DVec3::new(0.9, 0.5, 0.0));
+        let wishes = vec![
+            Constraint { scale: Some(2.0), extent: Some(0.5), ..point(left) },
+            Constraint { scale: Some(0.5), extent: Some(0.3), weight: Some(3.0), ..point(right) },
+        ];
+        let anchors = anchors(&mesh, wishes);
+        let (guide, statistics) = constrained_scale(&mesh, &anchors, &FieldOptions::default()).expect("a scale");
+        for f in 0..mesh.face_count() as u32 {
+            let c = mesh.centroid(f);
+            let (a, b) = ((-0.5 * (c.distance(left) / 0.5).powi(2)).exp(), 3.0 * (-0.5 * (c.distance(right) / 0.3).powi(2)).exp());
+            let wanted = 2.0_f64.powf((a - b) / (a + b));
+            assert!((f64::from(guide.scale(f)) / wanted - 1.0).abs() < 2e-3, "face {f}: {} for {wanted}", guide.scale(f));
+        }
+        assert!(statistics.relative_scale[0] < 0.6 && statistics.relative_scale[1] > 1.2, "{statistics:?}");
+    }
+
+    #[test]
+    fn a_base_field_rules_where_no_constraint_reaches() {
+        let mesh = square();
+        let wish = Constraint { direction: Some([1.0, 0.0, 0.0]), scale: Some(4.0), extent: Some(0.1), ..point(DVec3::ZERO) };
+        let options = FieldOptions { base_weight: 0.01, ..FieldOptions::default() };
+        let (field, _) = constrained(&mesh, &anchors(&mesh, vec![wish]), &options).expect("a field");
+        for f in 0..mesh.face_count() as u32 {
+            let t = field.up[f as usize];
+            if mesh.centroid(f).length() > 0.5 {
+                assert!((t - Vec3::Y).length() < 1e-2, "far away the axis rules: {t}");
+            }
+            if mesh.centroid(f).length() < 0.05 {
+                assert!((t - Vec3::X * 4.0).length() < 0.15, "near the constraint it rules: {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn scale_alone_keeps_the_axis_and_direction_alone_keeps_the_scale() {
+        let mesh = shapes::torus(24, 16, 1.0, 0.4);
+        let scale_only = anchors(&mesh, vec![Constraint { scale: Some(3.0), ..point(DVec3::X) }]);
+        let (field, _) = constrained(&mesh, &scale_only, &FieldOptions::default()).expect("a field");
+        let (plain, _) = crate::field::up(&mesh, DVec3::Y, 3.0).expect("a field");
+        assert!(field.up.iter().zip(&plain.up).all(|(a, b)| (a - b).length() < 1e-5), "the axis everywhere, three times as large");
+        let direction_only = anchors(&mesh, vec![Constraint { direction: Some([0.0, 1.0, 0.0]), ..point(DVec3::X * 1.4) }]);
+        let (field, _) = constrained(&mesh, &direction_only, &FieldOptions::default()).expect("a field");
+        assert!(field.up.iter().all(|t| (t.length() - 1.0).abs() < 1e-5), "scale 1 everywhere");
+    }
+
+    #[test]
+    fn a_basis_is_sheared_and_stretched_as_asked() {
+        let mesh = square();
+        let wish = Constraint { stretch: Some(2.0), shear: Some(0.5), ..point(DVec3::ZERO) };
+        let (field, _) = constrained(&mesh, &anchors(&mesh, vec![wish]), &FieldOptions::default()).expect("a field");
+        for f in 0..mesh.face_count() as u32 {
+            let (s, t) = field.basis(&mesh, f);
+            assert!((t - DVec3::Y).length() < 1e-5 && (s - DVec3::new(2.0, 0.5, 0.0)).length() < 1e-5, "face {f}: {s} {t}");
+        }
+    }
+
+    #[test]
+    fn a_component_without_constraints_follows_the_nearest_through_space() {
+        let near = shapes::torus(24, 16, 1.0, 0.4);
+        let mut positions = near.positions.clone();
+        positions.extend(near.positions.iter().map(|&p| p + Vec3::X * 4.0));
+        let offset = near.vertex_count() as u32;
+        let other = near.faces.iter().map(|f| f.map(|v| v + offset));
+        let mesh = Mesh::new(positions, near.faces.iter().copied().chain(other).collect()).expect("two tori");
+        let wish = Constraint { direction: Some([0.0, 1.0, 0.2]), scale: Some(0.5), ..point(DVec3::X * -1.4) };
+        let (field, _) = constrained(&mesh, &anchors(&mesh, vec![wish]), &FieldOptions::default()).expect("a field");
+        for f in near.face_count()..mesh.face_count() {
+            let t = field.up[f].as_dvec3();
+            assert!((t.length() - 0.5).abs() < 1e-5, "face {f} has length {}", t.length());
+            assert!(t.dot(mesh.normal(f as u32)).abs() < 1e-5, "face {f}: {t} leaves its plane");
+        }
+    }
+
+    #[test]
+    fn moving_everything_moves_the_field_and_threads_change_nothing() {
+        let mesh = shapes::torus(30, 20, 1.0, 0.4);
+        let mut random = Random::new(21, 0);
+        let mut any = || DVec3::new(random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0));
+        let wishes: Vec<(DVec3, DVec3)> = (0..7).map(|_| (any(), any())).collect();
+        let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.7, 0.4, -1.9);
+        let field = |move_by: &dyn Fn(DVec3) -> DVec3, rotate: glam::DQuat, size: f64| {
+            let mut mesh = mesh.clone();
+            mesh.positions.iter_mut().for_each(|p| *p = move_by(p.as_dvec3()).as_vec3());
+            let wish = |&(p, d): &(DVec3, DVec3)| Constraint {
+                direction: Some((rotate * d).into()),
+                extent: Some(0.4 * size),
+                ..point(move_by(p))
+            };
+            let anchors = anchors(&mesh, wishes.iter().map(wish).collect());
+            constrained(&mesh, &anchors, &FieldOptions { scale: size, ..FieldOptions::default() }).expect("a field").0
+        };
+        let here = field(&|p| p, glam::DQuat::IDENTITY, 1.0);
+        let there = field(&|p| turn * p * 50.0 + DVec3::splat(7.0), turn, 50.0);
+        for (f, (a, b)) in here.up.iter().zip(&there.up).enumerate() {
+            let moved = (turn * a.as_dvec3() * 50.0).as_vec3();
+            assert!((moved - b).length() < 0.02 * 50.0, "face {f}: {moved} {b}");
+        }
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            let again = pool.install(|| field(&|p| p, glam::DQuat::IDENTITY, 1.0));
+            assert_eq!(again, here, "with {threads} threads");
+        }
+    }
+
+    #[test]
+    fn a_vector_carried_round_a_limb_stays_along_it_where_projection_fails() {
+        // A wish across a cylinder's front: carried, it runs round and round; projected, it vanishes at the sides.
+        let mesh = shapes::parametric(48, 24, |u, v| {
+            let a = u * std::f64::consts::TAU;
+            [a.cos(), a.sin(), 4.0 * v]
+        });
+        let wish = Constraint { direction: Some([0.0, 1.0, 0.0]), ..point(DVec3::new(1.0, 0.0, 2.0)) };
+        let anchors = anchors(&mesh, vec![wish]);
+        let (field, statistics) = constrained(&mesh, &anchors, &FieldOptions::default()).expect("a field");
+        assert_eq!(statistics.filled_faces, 0, "nothing vanishes");
+        for f in 0..mesh.face_count() as u32 {
+            // Behind, both ways round arrive with opposite meanings of neither: the direction is the same.
+            let round = DVec3::Z.cross(mesh.centroid(f)).normalize();
+            assert!(field.up[f as usize].as_dvec3().dot(round) > 0.99, "face {f}: {} for {round}", field.up[f as usize]);
+        }
+        let paper = FieldOptions { carry: Carry::Project, ..FieldOptions::default() };
+        let (_, statistics) = constrained(&mesh, &anchors, &paper).expect("a field");
+        assert!(statistics.filled_faces > 0, "the paper's sum vanishes somewhere: {statistics:?}");
+    }
 }

@@ -7,19 +7,25 @@
 //! * [`Constraints`] are what a user asks for at a few places; tied to a mesh they are [`Anchor`]s.
 //! * [`constrained()`] spreads anchors over the surface.
 //! * [`isotropic()`] and [`constrained_scale()`] give a scale alone, for exemplars that look the same every way.
+//! * [`singularities()`] are the vertices around which a field turns; [`refine_near_singularities()`] makes faces there finer.
 
 pub mod constrained;
 pub mod constraints;
 pub mod error;
 pub mod fill;
+pub mod refine;
+pub mod singularities;
 pub mod spread;
+pub mod store;
 pub mod up;
 
-pub use constrained::{ConstrainedStatistics, FieldOptions, constrained, constrained_scale, isotropic};
+pub use constrained::{ConstrainedStatistics, FieldOptions, constrained, constrained_on, constrained_scale, isotropic};
 pub use constraints::{Anchor, Constraint, Constraints};
 pub use error::{ConstraintProblem, FieldError};
+pub use refine::{RefineOptions, RefineStatistics, Refined, refine_near_singularities};
+pub use singularities::{Singularity, discontinuity, singularities};
 pub use spread::Carry;
-pub use up::{UpStatistics, up};
+pub use up::{UpStatistics, up, up_on};
 
 use crate::mesh::Mesh;
 use glam::{DVec3, Vec3};

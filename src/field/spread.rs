@@ -74,10 +74,10 @@ struct Blend<'a> {
 
 /// Blended directions: the sum of the carried unit vectors in each face's plane, divided by the sum of weights. Its length, 0
 /// to 1, tells how far the anchors agree.
-pub(super) fn directions(mesh: &Mesh, anchors: &[Anchor], base: Option<(&[Vec3], f64)>, carry: Carry) -> Vec<Vec3> {
+pub(super) fn directions(mesh: &Mesh, anchors: &[Anchor], base: Option<(Vec<Vec3>, f64)>, carry: Carry) -> Vec<Vec3> {
     let (anchors, values): (Vec<&Anchor>, Vec<DVec3>) = anchors.iter().filter_map(|a| a.direction.map(|d| (a, d))).unzip();
     let normals = (carry == Carry::Transport).then(|| mesh.vertex_normals());
-    let base_weight = base.map_or(0.0, |b| b.1);
+    let base_weight = base.as_ref().map_or(0.0, |b| b.1);
     let mut sums = Blend { mesh, anchors: &anchors, values: &values, base_weight, normals }.sums();
     if let Some((directions, weight)) = base.filter(|b| b.1 > 0.0) {
         for (sum, direction) in sums.iter_mut().zip(directions) {

@@ -6,7 +6,8 @@
 use super::fill::fill;
 use super::{FieldError, TangentField, usable_scale};
 use crate::mesh::Mesh;
-use crate::mesh::transport::projected;
+use crate::mesh::subdivide::Subdivision;
+use crate::mesh::transport::{projected, turned};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -28,22 +29,56 @@ pub struct UpStatistics {
 /// # Errors
 /// If the axis is zero or not finite, or the scale is not a usable length.
 pub fn up(mesh: &Mesh, axis: DVec3, scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
+    scaled(directions(mesh, axis)?, scale)
+}
+
+/// [`up`] on a subdivision of a mesh. The children of a cut face all lie in its plane; so that cutting it makes the field finer,
+/// they project the axis as the smooth surface would: onto the plane across the vertex normals' mean at their centroids.
+///
+/// # Errors
+/// As [`up`].
+pub fn up_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3, scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
+    scaled(directions_on(mesh, fine, axis)?, scale)
+}
+
+fn scaled((directions, filled_faces): (Vec<Vec3>, usize), scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
     let scale = usable_scale(scale)?;
-    let (directions, filled_faces) = directions(mesh, axis)?;
     let up = directions.into_iter().map(|d| d * scale).collect();
     Ok((TangentField { up, right: None }, UpStatistics { filled_faces }))
 }
 
 /// Unit directions of [`up`], and how many of them came from neighbours.
 pub(super) fn directions(mesh: &Mesh, axis: DVec3) -> Result<(Vec<Vec3>, usize), FieldError> {
+    projected_everywhere(mesh, axis, |f| mesh.normal(f))
+}
+
+/// Unit directions of [`up_on`].
+pub(super) fn directions_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3) -> Result<(Vec<Vec3>, usize), FieldError> {
+    let normals = mesh.vertex_normals();
+    projected_everywhere(&fine.mesh, axis, |f| {
+        if !fine.is_cut(f) {
+            return fine.mesh.normal(f);
+        }
+        let [a, b, c] = fine.corners[f as usize];
+        let bary = (a + b + c) / 3.0;
+        let [a, b, c] = mesh.faces[fine.parent[f as usize] as usize].map(|v| normals[v as usize]);
+        (a * bary.x + b * bary.y + c * bary.z).as_dvec3().normalize_or(fine.mesh.normal(f))
+    })
+}
+
+/// The axis projected onto the plane across `normal` at each face, turned into the face's own plane.
+fn projected_everywhere(mesh: &Mesh, axis: DVec3, normal: impl Fn(u32) -> DVec3 + Sync) -> Result<(Vec<Vec3>, usize), FieldError> {
     let unit = axis.try_normalize().filter(|u| u.is_finite()).ok_or(FieldError::Axis(axis))?;
-    let mut directions: Vec<Vec3> = (0..mesh.face_count() as u32)
-        .into_par_iter()
-        .map(|f| {
-            let flat = projected(unit, mesh.normal(f));
-            if flat.length() < LEAST_PROJECTION { Vec3::ZERO } else { flat.normalize().as_vec3() }
-        })
-        .collect();
+    let at = |f: u32| {
+        let normal = normal(f);
+        let flat = projected(unit, normal);
+        if flat.length() < LEAST_PROJECTION {
+            return Vec3::ZERO;
+        }
+        let own = mesh.normal(f);
+        projected(turned(flat, normal, own), own).normalize_or_zero().as_vec3()
+    };
+    let mut directions: Vec<Vec3> = (0..mesh.face_count() as u32).into_par_iter().map(at).collect();
     let filled = fill(mesh, &mut directions, stand_ins(unit));
     Ok((directions, filled))
 }
@@ -59,7 +94,6 @@ mod tests {
     use super::*;
     use crate::mesh::NONE;
     use crate::mesh::shapes::cube;
-    use crate::mesh::transport::turned;
 
     #[test]
     fn the_axis_lies_in_every_plane_and_flat_tops_continue_their_sides() {

@@ -34,6 +34,14 @@ impl Subdivision {
         }
     }
 
+    /// True if a fine face is only part of its parent.
+    #[must_use]
+    pub fn is_cut(&self, face: u32) -> bool {
+        let f = face as usize;
+        let same = |g: Option<&u32>| g == Some(&self.parent[f]);
+        same(self.parent.get(f + 1)) || f > 0 && same(self.parent.get(f - 1))
+    }
+
     /// The fine surface point at a point of the coarse mesh.
     #[must_use]
     pub fn locate(&self, at: SurfacePoint) -> SurfacePoint {
