@@ -1,0 +1,248 @@
+//! GLB to record. Every index, length and offset is checked; mip chains are built anew.
+
+use super::{EXTENSION, Record, VERSION};
+use crate::exemplar::{Channel, Exemplar, Image, MipChain, TexturePatch, Wrap};
+use crate::format::error::Problem;
+use crate::format::gltf::accessor::Data;
+use crate::format::gltf::document::Document;
+use crate::format::gltf::{glb, scene, uri};
+use crate::format::model::{FaceGroup, Model, Source};
+use crate::format::picture::{Transfer, decode};
+use crate::format::{FormatError, read_file};
+use crate::paste::{LappedTexture, Paste};
+use glam::{Vec2, Vec3, Vec4};
+use image::ImageFormat;
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Reads a record that [`super::write_record`] wrote.
+///
+/// # Errors
+/// If the file cannot be read, is no record, or contradicts itself anywhere.
+pub fn read_record(path: &Path) -> Result<Record, FormatError> {
+    read_record_bytes(path, &read_file(path, "the GLB file")?)
+}
+
+/// Reads a record from the bytes of a file; `path` is for messages and for buffers beside it.
+///
+/// # Errors
+/// As [`read_record`].
+pub fn read_record_bytes(path: &Path, file: &[u8]) -> Result<Record, FormatError> {
+    if file.is_empty() {
+        return Err(FormatError::Empty { path: path.to_owned() });
+    }
+    parse(file, path.parent()).map_err(|problem| FormatError::malformed(path, problem))
+}
+
+/// The extension as it stands in the JSON.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Extension {
+    version: u64,
+    mesh: usize,
+    primitive: usize,
+    field: Option<usize>,
+    source_face: Option<usize>,
+    #[serde(default)]
+    model: ModelExtras,
+    exemplars: Vec<ExemplarEntry>,
+    patches: Vec<PatchEntry>,
+    pastes: PasteTables,
+    #[serde(default)]
+    job: Value,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+struct ModelExtras {
+    name: String,
+    groups: Vec<FaceGroup>,
+    source: Source,
+    polygon: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+struct ExemplarEntry {
+    #[serde(default)]
+    name: String,
+    images: BTreeMap<String, usize>,
+    size: [u32; 2],
+    #[serde(default)]
+    wrap: Wrap,
+}
+
+#[derive(Debug, Deserialize)]
+struct PatchEntry {
+    exemplar: u16,
+    mask: usize,
+    origin: [i32; 2],
+    size: [u32; 2],
+    hull: Vec<f64>,
+    centre: [f64; 2],
+    weight: f64,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct PasteTables {
+    count: usize,
+    patch: Option<usize>,
+    face_offset: Option<usize>,
+    face: Option<usize>,
+    uv: Option<usize>,
+    offset: Option<usize>,
+}
+
+fn parse(file: &[u8], folder: Option<&Path>) -> Result<Record, Problem> {
+    let remedy = "name a GLB that `lapped paste` wrote";
+    let (json, bin) = if glb::is_glb(file) {
+        glb::split(file)?
+    } else if file.trim_ascii_start().starts_with(b"{") {
+        (file, None)
+    } else {
+        return Err(Problem::new("", "this is no glTF file, so it holds no lapped texture", remedy));
+    };
+    let mut document = Document::parse(json)?;
+    let Some(extension) = document.extensions.remove(EXTENSION) else {
+        return Err(Problem::new("", "the file holds a mesh but no lapped texture", remedy));
+    };
+    let version = extension.get("version").and_then(Value::as_u64);
+    if version != Some(VERSION) {
+        let what = format!("the lapped texture has version {}, only {VERSION} is read", extension["version"]);
+        return Err(Problem::new(EXTENSION, what, "use the release of lapped that wrote it, or paste again"));
+    }
+    let extension: Extension = serde_json::from_value(extension).map_err(|e| Problem::damaged(EXTENSION, e.to_string()))?;
+    let buffers = uri::load_buffers(&document, bin, folder)?;
+    let data = Data { document: &document, buffers: &buffers };
+    let model = read_model(&data, &extension)?;
+    let exemplars = extension.exemplars.iter().enumerate().map(|(k, e)| read_exemplar(&data, k, e)).collect::<Result<_, _>>()?;
+    let patches = extension.patches.iter().enumerate().map(|(k, p)| read_patch(&data, k, p)).collect::<Result<_, _>>()?;
+    let pastes = read_pastes(&data, &extension.pastes)?;
+    let vectors = |a: usize| Ok(data.floats::<3>(a)?.into_iter().map(Vec3::from_array).collect());
+    let record = Record {
+        model,
+        lapped: LappedTexture { exemplars, patches, pastes },
+        field: extension.field.map(vectors).transpose()?,
+        source_face: extension.source_face.map(|a| data.indices(a)).transpose()?,
+        generator: document.asset.generator.clone().unwrap_or_default(),
+        job: extension.job,
+    };
+    debug_assert_eq!(extension.version, VERSION, "checked above");
+    record.check().map_err(|(place, what)| Problem::damaged(place, what))?;
+    Ok(record)
+}
+
+fn read_model(data: &Data<'_>, extension: &Extension) -> Result<Model, Problem> {
+    let place = format!("mesh {}, primitive {}", extension.mesh, extension.primitive);
+    let primitive = data.document.meshes.get(extension.mesh).and_then(|m| m.primitives.get(extension.primitive));
+    let primitive = primitive.ok_or_else(|| Problem::damaged(&place, "it does not exist"))?;
+    let vertices = scene::read_vertices(data, primitive, &place)?;
+    let faces = scene::read_triangles(data, primitive, vertices.positions.len(), &place)?;
+    let extras = &extension.model;
+    Ok(Model {
+        name: extras.name.clone(),
+        positions: vertices.positions.into_iter().map(Vec3::from_array).collect(),
+        faces: faces.ok_or_else(|| Problem::damaged(&place, "it is not made of triangles"))?,
+        normals: vertices.normals.map(|n| n.into_iter().map(Vec3::from_array).collect()),
+        uvs: vertices.uvs.map(|t| t.into_iter().map(Vec2::from_array).collect()),
+        colors: vertices.colors.map(|c| c.into_iter().map(Vec4::from_array).collect()),
+        groups: extras.groups.clone(),
+        polygons: extras.polygon.map(|a| data.indices(a)).transpose()?,
+        source: extras.source.clone(),
+    })
+}
+
+fn read_image(data: &Data<'_>, texture: usize, transfer: Transfer, place: &str) -> Result<Image, Problem> {
+    let document = data.document;
+    let source = document.textures.get(texture).and_then(|t| t.source).and_then(|s| document.images.get(s));
+    let view =
+        source.and_then(|i| i.buffer_view).ok_or_else(|| Problem::damaged(place, format!("texture {texture} has no image")))?;
+    let picture = decode(data.view(view)?, Some(ImageFormat::Png), transfer);
+    Ok(picture.map_err(|p| Problem { place: place.to_owned(), ..p })?.image)
+}
+
+fn sized(image: &Image, size: [u32; 2], components: usize, place: &str) -> Result<(), Problem> {
+    if image.size() == size && image.components() == components {
+        return Ok(());
+    }
+    let [w, h] = image.size();
+    let what = format!("its image has {w} x {h} pixels of {}, not {} x {} of {components}", image.components(), size[0], size[1]);
+    Err(Problem::damaged(place, what))
+}
+
+fn read_exemplar(data: &Data<'_>, index: usize, entry: &ExemplarEntry) -> Result<Exemplar, Problem> {
+    let place = format!("exemplar {index}");
+    let load = |channel: Channel| -> Result<Option<Image>, Problem> {
+        let Some(&texture) = entry.images.get(channel.name()) else { return Ok(None) };
+        let place = format!("{place}, {}", channel.name());
+        let image = read_image(data, texture, Transfer::of(channel), &place)?;
+        sized(&image, entry.size, channel.components(), &place)?;
+        Ok(Some(image))
+    };
+    let base = load(Channel::BaseColor)?.ok_or_else(|| Problem::damaged(&place, "it has no base colour"))?;
+    let mut exemplar = Exemplar::new(entry.name.clone(), base);
+    exemplar.wrap = entry.wrap;
+    for channel in Channel::ALL.into_iter().filter(|&c| c != Channel::BaseColor) {
+        if let Some(image) = load(channel)? {
+            exemplar.set(channel, image).map_err(|e| Problem::damaged(&place, e.to_string()))?;
+        }
+    }
+    Ok(exemplar)
+}
+
+fn read_patch(data: &Data<'_>, index: usize, entry: &PatchEntry) -> Result<TexturePatch, Problem> {
+    let place = format!("patch {index}");
+    let mask = read_image(data, entry.mask, Transfer::Linear, &place)?;
+    sized(&mask, entry.size, 1, &place)?;
+    let point = |p: [f64; 2]| Vec2::new(p[0] as f32, p[1] as f32);
+    let (pairs, rest) = entry.hull.as_chunks::<2>();
+    if !rest.is_empty() {
+        return Err(Problem::damaged(place, "its hull has half a point"));
+    }
+    Ok(TexturePatch {
+        exemplar: entry.exemplar,
+        origin: entry.origin,
+        mask: MipChain::mask(mask),
+        hull: pairs.iter().map(|&p| point(p)).collect(),
+        centre: point(entry.centre),
+        weight: entry.weight as f32,
+    })
+}
+
+fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Problem> {
+    let indices = |a: Option<usize>| a.map_or(Ok(Vec::new()), |a| data.indices(a));
+    let vectors = |a: Option<usize>| a.map_or(Ok(Vec::new()), |a| data.floats::<2>(a));
+    let patch = indices(tables.patch)?;
+    let ends = indices(tables.face_offset)?;
+    let face = indices(tables.face)?;
+    let uv = vectors(tables.uv)?;
+    let offset = vectors(tables.offset)?;
+    let count = tables.count;
+    let lengths = [
+        ("patch", patch.len(), count),
+        ("faceOffset", ends.len(), count + usize::from(tables.face_offset.is_some() || count > 0)),
+        ("uv", uv.len(), 3 * face.len()),
+        ("offset", offset.len(), if tables.offset.is_some() { count } else { 0 }),
+    ];
+    if let Some((name, has, needed)) = lengths.into_iter().find(|(_, has, needed)| has != needed) {
+        return Err(Problem::damaged("pastes", format!("{name} has {has} entries, not {needed}")));
+    }
+    let rising = ends.is_sorted() && ends.first().is_none_or(|&e| e == 0);
+    if !rising || ends.last().map_or(0, |&e| e as usize) != face.len() {
+        return Err(Problem::damaged("pastes", format!("faceOffset does not rise from 0 to {}", face.len())));
+    }
+    let corners = uv.as_chunks::<3>().0;
+    (0..count)
+        .map(|k| {
+            let range = ends[k] as usize..ends[k + 1] as usize;
+            Ok(Paste {
+                patch: u16::try_from(patch[k]).map_err(|_| Problem::damaged(format!("paste {k}"), "its patch is out of range"))?,
+                faces: face[range.clone()].to_vec(),
+                uv: corners[range].iter().map(|c| c.map(Vec2::from_array)).collect(),
+                offset: offset.get(k).map_or(Vec2::ZERO, |&o| Vec2::from_array(o)),
+            })
+        })
+        .collect()
+}

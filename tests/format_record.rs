@@ -1,0 +1,117 @@
+//! Lapped-texture records: what is written comes back, and nothing that contradicts itself is taken.
+
+use glam::{Vec2, Vec3, Vec4};
+use lapped::exemplar::{Channel, Exemplar, Image, MipChain, TexturePatch, Wrap};
+use lapped::format::{FaceGroup, Model, Record, read_model, read_record, write_record};
+use lapped::paste::{LappedTexture, Paste};
+use lapped::random::Random;
+
+fn bytes_image(width: u32, height: u32, components: usize, random: &mut Random, decode: impl Fn(f32) -> f32) -> Image {
+    let data = (0..width * height * components as u32).map(|_| decode(random.below(256) as f32 / 255.0)).collect();
+    Image::new(width, height, components, data).unwrap()
+}
+
+/// A record with one of everything that a record can hold.
+fn full_record() -> Record {
+    let mut r = Random::new(7, 0);
+    let side = 20_u32;
+    let mut model = Model { name: "a hill".into(), ..Model::default() };
+    for k in 0..side * side {
+        let (x, y) = ((k % side) as f32, (k / side) as f32);
+        model.positions.push(Vec3::new(x, (x * 0.7).sin() * (y * 0.3).cos(), y) * 0.1);
+    }
+    for k in 0..(side - 1) * (side - 1) {
+        let v = k % (side - 1) + k / (side - 1) * side;
+        model.faces.extend([[v, v + side, v + 1], [v + 1, v + side, v + side + 1]]);
+    }
+    let vertices = model.positions.len();
+    let faces = model.faces.len();
+    model.normals = Some((0..vertices).map(|k| Vec3::new(0.1, 1.0, k as f32 * 0.001).normalize()).collect());
+    model.uvs = Some((0..vertices).map(|k| Vec2::new(k as f32 * 0.01, 0.25)).collect());
+    model.colors = Some((0..vertices).map(|k| Vec4::new(k as f32 / vertices as f32, 0.5, 0.25, 1.0)).collect());
+    model.polygons = Some((0..faces as u32).map(|f| f / 2).collect());
+    let group =
+        |object: &str, start, count| FaceGroup { object: object.into(), group: "g".into(), material: "m".into(), start, count };
+    model.groups = vec![group("left", 0, 100), group("right", 100, faces as u32 - 100)];
+    model.source.format = "Wavefront OBJ".into();
+    model.source.vertices = vertices;
+    model.source.polygons = faces / 2;
+    model.source.unit = Some("mm".into());
+    model.source.notes = vec!["3 lines and points were left out".into()];
+
+    let mut first = Exemplar::new("bricks", bytes_image(33, 17, 3, &mut r, lapped::format::srgb::decode));
+    first.wrap = Wrap::Repeat;
+    for channel in Channel::ALL {
+        let decode = |v: f32| match channel {
+            Channel::Emissive | Channel::BaseColor => lapped::format::srgb::decode(v),
+            Channel::Normal => v * 2.0 - 1.0,
+            _ => v,
+        };
+        first.set(channel, bytes_image(33, 17, channel.components(), &mut r, decode)).unwrap();
+    }
+    let deep = (0..64).map(|_| r.below(65536) as f32 / 65535.0).collect();
+    let mut second = Exemplar::new("grey", bytes_image(8, 8, 3, &mut r, lapped::format::srgb::decode));
+    second.set(Channel::Height, Image::new(8, 8, 1, deep).unwrap()).unwrap();
+
+    let patch = |exemplar, random: &mut Random| TexturePatch {
+        exemplar,
+        origin: [-3, 4],
+        mask: MipChain::mask(bytes_image(9, 12, 1, random, |v| v)),
+        hull: vec![Vec2::new(0.1, 0.2), Vec2::new(7.3, 1.0 / 3.0), Vec2::new(5.0, 9.87654)],
+        centre: Vec2::new(3.3, 4.7),
+        weight: 0.7,
+    };
+    let patches = vec![patch(0, &mut r), patch(1, &mut r), patch(0, &mut r)];
+    let pastes = (0..40)
+        .map(|k| {
+            let count = if k == 5 { 0 } else { 1 + r.below(50) as usize };
+            let on = (0..count).map(|_| r.below(faces as u64) as u32).collect();
+            let mut uv = || Vec2::new(r.range(-0.5, 1.5) as f32, r.unit() as f32);
+            let uv = (0..count).map(|_| [uv(), uv(), uv()]).collect();
+            Paste { patch: r.below(3) as u16, faces: on, uv, offset: Vec2::new(k as f32, -0.5) }
+        })
+        .collect();
+    Record {
+        field: Some((0..faces).map(|f| Vec3::new(0.3, f as f32, -1.0)).collect()),
+        source_face: Some((0..faces as u32).map(|f| f / 4).collect()),
+        model,
+        lapped: LappedTexture { exemplars: vec![first, second], patches, pastes },
+        generator: "lapped test".into(),
+        job: serde_json::json!({ "seed": 1, "scale": 0.25 }),
+    }
+}
+
+#[test]
+fn a_record_comes_back_equal() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.glb");
+    let record = full_record();
+    write_record(&path, &record).unwrap();
+    let back = read_record(&path).unwrap();
+    assert_eq!(back.model, record.model, "model");
+    assert_eq!(back.lapped.exemplars, record.lapped.exemplars, "exemplars, bit for bit");
+    assert_eq!(back.lapped.patches, record.lapped.patches, "patches and masks, bit for bit");
+    assert_eq!(back, record, "everything else");
+    if let Some(keep) = std::env::var_os("LAPPED_KEEP_RECORD") {
+        std::fs::copy(&path, keep).unwrap();
+    }
+}
+
+#[test]
+fn any_gltf_reader_sees_the_plain_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.glb");
+    let record = full_record();
+    write_record(&path, &record).unwrap();
+    let plain = read_model(&path).unwrap();
+    assert_eq!((&plain.positions, &plain.faces), (&record.model.positions, &record.model.faces), "our own reader");
+
+    let (document, buffers, images) = gltf::import(&path).unwrap();
+    let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
+    let reader = primitive.reader(|b| Some(&buffers[b.index()].0));
+    let positions: Vec<Vec3> = reader.read_positions().unwrap().map(Vec3::from_array).collect();
+    let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
+    assert_eq!(positions, record.model.positions, "positions seen by another reader");
+    assert_eq!(indices, record.model.faces.as_flattened(), "faces seen by another reader");
+    assert_eq!(images.len(), 8 + 2 + 3, "all channels and masks are ordinary images");
+}
