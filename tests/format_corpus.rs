@@ -5,7 +5,8 @@ use lapped::format::read_model;
 use lapped::mesh::{CleanOptions, clean};
 use std::path::PathBuf;
 
-/// File, vertices, polygons and triangles as counted by the corpus's own index.
+/// File, vertices, polygons and triangles as counted by the corpus's own index, which gives of suzanne.obj only the number of
+/// quads (468); 32 triangles come on top.
 const COUNTS: [(&str, usize, usize, usize); 24] = [
     ("stanford-bunny.obj", 35947, 69451, 69451),
     ("bunny-npm.obj", 1839, 3674, 3674),
@@ -29,7 +30,7 @@ const COUNTS: [(&str, usize, usize, usize); 24] = [
     ("ogre.obj", 62194, 124_008, 124_008),
     ("blade.obj", 8231, 16222, 16222),
     ("range-scan.ply", 44461, 86766, 86766),
-    ("suzanne.obj", 507, 468, 968),
+    ("suzanne.obj", 507, 500, 968),
     ("duck.glb", 2399, 4212, 4212),
 ];
 

@@ -7,6 +7,7 @@
 mod corners;
 mod error;
 mod gltf;
+mod material;
 mod model;
 mod obj;
 mod output;
@@ -19,6 +20,7 @@ mod stl;
 mod text;
 
 pub use error::{FormatError, Warning};
+pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_mask};
 pub use model::{FaceGroup, Model, Source};
 pub use output::write_file;
 pub use picture::save_image;
