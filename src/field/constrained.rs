@@ -58,7 +58,7 @@ pub fn constrained(
     anchors: &[Anchor],
     options: &FieldOptions,
 ) -> Result<(TangentField, ConstrainedStatistics), FieldError> {
-    through_anchors(mesh, anchors, options, || up_directions(mesh, options.axis))
+    through_anchors(mesh, anchors, options, || up_directions(mesh, options.axis, options.scale))
 }
 
 /// [`constrained`] on a subdivision of the mesh that the anchors are tied to.
@@ -72,7 +72,7 @@ pub fn constrained_on(
     options: &FieldOptions,
 ) -> Result<(TangentField, ConstrainedStatistics), FieldError> {
     let anchors: Vec<Anchor> = anchors.iter().map(|a| a.on(fine)).collect();
-    through_anchors(&fine.mesh, &anchors, options, || directions_on(mesh, fine, options.axis))
+    through_anchors(&fine.mesh, &anchors, options, || directions_on(mesh, fine, options.axis, options.scale))
 }
 
 fn through_anchors(
@@ -160,7 +160,7 @@ mod tests {
     }
 
     fn anchors(mesh: &Mesh, constraints: Vec<Constraint>) -> Vec<Anchor> {
-        file(constraints).anchors(mesh, None, DVec3::Y).expect("good constraints")
+        file(constraints).anchors(mesh, None, DVec3::Y, 0.1).expect("good constraints")
     }
 
     fn square() -> Mesh {

@@ -151,11 +151,17 @@ impl Constraints {
     }
 
     /// Checks every constraint and ties it to the mesh. `user_faces` leads from the user's face numbers to the mesh's (see
-    /// [`crate::mesh::Cleaned`]); without it they are the mesh's own. `axis` is what angles are measured against.
+    /// [`crate::mesh::Cleaned`]); without it they are the mesh's own. `axis` is what angles are measured against, evened out for exemplars `scale` wide (see [`super::up()`]).
     ///
     /// # Errors
     /// The first constraint that cannot be used, and why.
-    pub fn anchors(&self, mesh: &Mesh, user_faces: Option<&[UserFace]>, axis: DVec3) -> Result<Vec<Anchor>, FieldError> {
+    pub fn anchors(
+        &self,
+        mesh: &Mesh,
+        user_faces: Option<&[UserFace]>,
+        axis: DVec3,
+        scale: f64,
+    ) -> Result<Vec<Anchor>, FieldError> {
         if !(self.base_weight.is_finite() && self.base_weight >= 0.0) {
             return Err(FieldError::BaseWeight(self.base_weight));
         }
@@ -163,7 +169,7 @@ impl Constraints {
         let unit = axis.try_normalize().filter(|u| u.is_finite()).ok_or(FieldError::Axis(axis))?;
         // Only angles need the whole projected field, for its filled faces; only positions need the tree.
         let wants = |test: fn(&Constraint) -> bool| self.constraints.iter().any(test);
-        let ups = if wants(|c| c.angle.is_some()) { super::up::directions(mesh, unit)?.0 } else { Vec::new() };
+        let ups = if wants(|c| c.angle.is_some()) { super::up::directions(mesh, unit, scale)?.0 } else { Vec::new() };
         let tree = wants(|c| c.position.is_some()).then(|| Nearest::new(mesh));
         let (low, high) = mesh.bounds();
         let ground = Ground { mesh, user_faces, ups, tree, diagonal: low.as_dvec3().distance(high.as_dvec3()) };
@@ -295,7 +301,7 @@ mod tests {
     fn problem(constraint: Constraint) -> ConstraintProblem {
         let mesh = shapes::torus(12, 8, 1.0, 0.3);
         let file = Constraints { constraints: vec![at_face_scaled(), constraint], ..Constraints::default() };
-        match file.anchors(&mesh, None, DVec3::Z) {
+        match file.anchors(&mesh, None, DVec3::Z, 0.1) {
             Err(FieldError::Constraint { index: 1, problem }) => problem,
             other => panic!("expected a problem with constraint 1, got {other:?}"),
         }
@@ -355,7 +361,7 @@ mod tests {
     fn an_angle_turns_the_projected_axis_counter_clockwise() {
         let mesh = shapes::parametric(2, 2, |x, y| [x, y, 0.0]);
         let file = Constraints { constraints: vec![Constraint { angle: Some(90.0), ..at_face(0) }], ..Constraints::default() };
-        let anchors = file.anchors(&mesh, None, DVec3::Y).expect("good");
+        let anchors = file.anchors(&mesh, None, DVec3::Y, 0.1).expect("good");
         assert!((anchors[0].direction.expect("given") + DVec3::X).length() < 1e-6, "{anchors:?}");
     }
 
@@ -364,7 +370,7 @@ mod tests {
         let mesh = shapes::parametric(2, 2, |x, y| [x, y, 0.0]);
         let basis = Constraint { direction: Some([0.0, 2.0, 0.0]), right: Some([6.0, 1.0, 0.0]), ..at_face(0) };
         let file = Constraints { constraints: vec![basis], ..Constraints::default() };
-        let anchor = &file.anchors(&mesh, None, DVec3::Y).expect("good")[0];
+        let anchor = &file.anchors(&mesh, None, DVec3::Y, 0.1).expect("good")[0];
         assert!((anchor.ln_stretch.expect("given") - 3.0_f64.ln()).abs() < 1e-6, "{anchor:?}");
         assert!((anchor.shear.expect("given") - 0.5).abs() < 1e-6, "{anchor:?}");
     }
@@ -374,9 +380,9 @@ mod tests {
         let mesh = shapes::torus(12, 8, 1.0, 0.3);
         let to = |face| UserFace { face, corners: [0, 1, 2] };
         let file = Constraints { constraints: vec![Constraint { scale: Some(2.0), ..at_face(1) }], ..Constraints::default() };
-        let anchors = file.anchors(&mesh, Some(&[to(5), to(9)]), DVec3::Z).expect("good");
+        let anchors = file.anchors(&mesh, Some(&[to(5), to(9)]), DVec3::Z, 0.1).expect("good");
         assert_eq!(anchors[0].at.face, 9, "face 1 of the user");
-        let dropped = file.anchors(&mesh, Some(&[to(5), to(NONE)]), DVec3::Z).unwrap_err();
+        let dropped = file.anchors(&mesh, Some(&[to(5), to(NONE)]), DVec3::Z, 0.1).unwrap_err();
         let problem = ConstraintProblem::DroppedFace(1);
         assert_eq!(dropped, FieldError::Constraint { index: 0, problem }, "a face without area");
     }

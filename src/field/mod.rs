@@ -16,6 +16,7 @@ pub mod fill;
 pub mod refine;
 pub mod singularities;
 pub mod spread;
+pub mod steady;
 pub mod store;
 pub mod up;
 

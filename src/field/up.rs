@@ -1,9 +1,11 @@
 //! One axis projected onto every face (LT 3.2: "project the global up direction onto the surface, and then normalize").
 //!
-//! Where a face lies square to the axis the projection says nothing but rounding and noise; such faces take their
-//! direction from their neighbours (see [`super::fill`]).
+//! Where a face lies square to the axis the projection says nothing but rounding and noise. So the projections, short
+//! where they mean little, are evened out over a tenth of an exemplar width (see [`super::steady`]), and faces where
+//! still nothing is left take their direction from their neighbours (see [`super::fill`]).
 
 use super::fill::fill;
+use super::steady::steady;
 use super::{FieldError, TangentField, usable_scale};
 use crate::mesh::Mesh;
 use crate::mesh::subdivide::Subdivision;
@@ -15,6 +17,10 @@ use serde::Serialize;
 /// A projection shorter than this share of the axis is not trusted: the face is within 3 degrees of square to it, where a
 /// flat top with the least unevenness would give every face a direction of its own.
 const LEAST_PROJECTION: f64 = 0.05;
+
+/// Exemplar widths over which projections are evened out: what is smaller than a tenth of the picture is no direction an
+/// artist meant, and a patch cannot follow it.
+const EVEN_OUT: f64 = 0.1;
 
 /// What [`up`] met.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
@@ -29,7 +35,7 @@ pub struct UpStatistics {
 /// # Errors
 /// If the axis is zero or not finite, or the scale is not a usable length.
 pub fn up(mesh: &Mesh, axis: DVec3, scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
-    scaled(directions(mesh, axis)?, scale)
+    scaled(directions(mesh, axis, scale)?, scale)
 }
 
 /// [`up`] on a subdivision of a mesh. The children of a cut face all lie in its plane; so that cutting it makes the field finer,
@@ -38,7 +44,7 @@ pub fn up(mesh: &Mesh, axis: DVec3, scale: f64) -> Result<(TangentField, UpStati
 /// # Errors
 /// As [`up`].
 pub fn up_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3, scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
-    scaled(directions_on(mesh, fine, axis)?, scale)
+    scaled(directions_on(mesh, fine, axis, scale)?, scale)
 }
 
 fn scaled((directions, filled_faces): (Vec<Vec3>, usize), scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
@@ -48,14 +54,14 @@ fn scaled((directions, filled_faces): (Vec<Vec3>, usize), scale: f64) -> Result<
 }
 
 /// Unit directions of [`up`], and how many of them came from neighbours.
-pub(super) fn directions(mesh: &Mesh, axis: DVec3) -> Result<(Vec<Vec3>, usize), FieldError> {
-    projected_everywhere(mesh, axis, |f| mesh.normal(f))
+pub(super) fn directions(mesh: &Mesh, axis: DVec3, scale: f64) -> Result<(Vec<Vec3>, usize), FieldError> {
+    projected_everywhere(mesh, axis, scale, |f| mesh.normal(f))
 }
 
 /// Unit directions of [`up_on`].
-pub(super) fn directions_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3) -> Result<(Vec<Vec3>, usize), FieldError> {
+pub(super) fn directions_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3, scale: f64) -> Result<(Vec<Vec3>, usize), FieldError> {
     let normals = mesh.vertex_normals();
-    projected_everywhere(&fine.mesh, axis, |f| {
+    projected_everywhere(&fine.mesh, axis, scale, |f| {
         if !fine.is_cut(f) {
             return fine.mesh.normal(f);
         }
@@ -66,19 +72,22 @@ pub(super) fn directions_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3) -> Res
     })
 }
 
-/// The axis projected onto the plane across `normal` at each face, turned into the face's own plane.
-fn projected_everywhere(mesh: &Mesh, axis: DVec3, normal: impl Fn(u32) -> DVec3 + Sync) -> Result<(Vec<Vec3>, usize), FieldError> {
+/// The axis projected onto the plane across `normal` at each face, turned into the face's own plane, evened out and filled.
+fn projected_everywhere(
+    mesh: &Mesh,
+    axis: DVec3,
+    scale: f64,
+    normal: impl Fn(u32) -> DVec3 + Sync,
+) -> Result<(Vec<Vec3>, usize), FieldError> {
     let unit = axis.try_normalize().filter(|u| u.is_finite()).ok_or(FieldError::Axis(axis))?;
     let at = |f: u32| {
-        let normal = normal(f);
-        let flat = projected(unit, normal);
-        if flat.length() < LEAST_PROJECTION {
-            return Vec3::ZERO;
-        }
-        let own = mesh.normal(f);
-        projected(turned(flat, normal, own), own).normalize_or_zero().as_vec3()
+        let (normal, own) = (normal(f), mesh.normal(f));
+        projected(turned(projected(unit, normal), normal, own), own)
     };
-    let mut directions: Vec<Vec3> = (0..mesh.face_count() as u32).into_par_iter().map(at).collect();
+    let flat: Vec<DVec3> = (0..mesh.face_count() as u32).into_par_iter().map(at).collect();
+    let even = steady(mesh, &flat, EVEN_OUT * scale);
+    let direction = |v: DVec3| if v.length() < LEAST_PROJECTION { Vec3::ZERO } else { v.normalize().as_vec3() };
+    let mut directions: Vec<Vec3> = even.into_iter().map(direction).collect();
     let filled = fill(mesh, &mut directions, stand_ins(unit));
     Ok((directions, filled))
 }

@@ -9,6 +9,7 @@
 
 pub mod clean;
 pub mod curvature;
+pub mod disc;
 pub mod geodesic;
 pub mod nearest;
 pub mod subdivide;

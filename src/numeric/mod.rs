@@ -1,1 +1,15 @@
-//! Sparse least squares: matrices, conjugate gradients and their preconditioners. Knows no mesh.
+//! Sparse least squares: matrices, conjugate gradients and a multigrid preconditioner. Knows no mesh.
+//!
+//! Systems are symmetric and positive (semi-)definite with two right-hand sides that are solved in one pass, since the
+//! two texture coordinates of a fit share their matrix (LT 3.4).
+
+pub mod cg;
+pub mod multigrid;
+pub mod sparse;
+
+pub use cg::{CgOptions, CgStats, Jacobi, Preconditioner, solve};
+pub use multigrid::Multigrid;
+pub use sparse::Sparse;
+
+/// One value per unknown for each of the two right-hand sides.
+pub type Pair = [f64; 2];

@@ -1,9 +1,9 @@
-//! The result of pasting: texture patches and the ordered pastes of them.
+//! The result of pasting: texture patches and the ordered pastes of them (LT 3.5).
 
 use crate::exemplar::{Exemplar, TexturePatch};
 use glam::Vec2;
 
-/// One texture patch laid on one surface patch (LT 3.5).
+/// One texture patch laid on one surface patch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Paste {
     /// Which texture patch.
@@ -26,4 +26,60 @@ pub struct LappedTexture {
     pub patches: Vec<TexturePatch>,
     /// The pastes, bottom first.
     pub pastes: Vec<Paste>,
+}
+
+/// For each face the pastes on it, bottom first.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FaceLists {
+    /// Where each face's list begins in `entries`, and one more.
+    pub start: Vec<u32>,
+    /// The paste, and the face's place among that paste's faces.
+    pub entries: Vec<(u32, u32)>,
+}
+
+impl FaceLists {
+    /// Sorts the faces of all pastes by face. Face indices of at least `face_count` are left out.
+    #[must_use]
+    pub fn new(face_count: usize, pastes: &[Paste]) -> Self {
+        let inside = |f: u32| (f as usize) < face_count;
+        let mut start = vec![0_u32; face_count + 1];
+        for &f in pastes.iter().flat_map(|p| &p.faces).filter(|&&f| inside(f)) {
+            start[f as usize + 1] += 1;
+        }
+        for f in 0..face_count {
+            start[f + 1] += start[f];
+        }
+        let mut fill = start.clone();
+        let mut entries = vec![(0, 0); start[face_count] as usize];
+        for (paste, p) in pastes.iter().enumerate() {
+            for (slot, &f) in p.faces.iter().enumerate().filter(|(_, f)| inside(**f)) {
+                let place = &mut fill[f as usize];
+                entries[*place as usize] = (paste as u32, slot as u32);
+                *place += 1;
+            }
+        }
+        Self { start, entries }
+    }
+
+    /// The pastes on a face, bottom first.
+    #[inline]
+    #[must_use]
+    pub fn of(&self, face: u32) -> &[(u32, u32)] {
+        &self.entries[self.start[face as usize] as usize..self.start[face as usize + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn face_lists_hold_each_paste_in_paint_order() {
+        let paste =
+            |faces: &[u32]| Paste { patch: 0, faces: faces.to_vec(), uv: vec![[Vec2::ZERO; 3]; faces.len()], offset: Vec2::ZERO };
+        let lists = FaceLists::new(3, &[paste(&[2, 0]), paste(&[0]), paste(&[1, 9, 0])]);
+        assert_eq!(lists.of(0), [(0, 1), (1, 0), (2, 2)], "bottom first, with slots");
+        assert_eq!(lists.of(1), [(2, 0)], "one paste");
+        assert_eq!(lists.entries.len(), 5, "the face out of range is left out");
+    }
 }

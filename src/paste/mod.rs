@@ -1,7 +1,414 @@
-//! Lapped Textures: seed, grow, fit, cover, cull.
+//! Lapped Textures: cover a mesh with overlapping pastes of texture patches.
 //!
 //! Based on: Praun, Finkelstein, Hoppe, "Lapped Textures", SIGGRAPH 2000.
+//!
+//! One paste goes through [`grow`] (a disc of faces over the texture patch), [`fit`] (aligned with the field),
+//! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
+//! again, and [`order`] sorts the pastes so that hard edges hide and drops what nobody can see. The result is a
+//! [`LappedTexture`]; [`Composite`] shows it.
 
-pub mod lapped;
+pub mod audit;
+pub mod composite;
+pub mod coverage;
+pub mod fit;
+pub mod frame;
+pub mod grow;
+mod lapped;
+pub mod lay;
+pub mod layout;
+pub mod order;
+pub mod seed;
+pub mod statistics;
 
-pub use lapped::{LappedTexture, Paste};
+pub use composite::Composite;
+pub use fit::{IsotropicFit, Weights};
+pub use grow::{Predictor, Stops};
+pub use lapped::{FaceLists, LappedTexture, Paste};
+pub use statistics::SpreadSummary;
+
+use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
+use crate::field::Guide;
+use crate::mesh::Mesh;
+use crate::progress::Progress;
+use audit::audit;
+use frame::singular_values;
+use glam::DMat2;
+use grow::PatchPlan;
+use layout::{Layout, LayoutInput, Loop};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Width of a coverage cell in texels. Cells keep the least alpha within them, so they may be coarser than texels: at 2
+/// the loop looks at a quarter of the texels and needs about 2 % more pastes.
+const CELL_TEXELS: f64 = 2.0;
+
+/// Width of a cell of the final audit in texels.
+const AUDIT_TEXELS: f64 = 1.0;
+
+/// Rounds of repairing what the audit found.
+const REPAIRS: usize = 4;
+
+/// Default distortion bound for directed guides: above it pastes shear visibly at the poles of the field, below it their
+/// number rises fast.
+pub const DISTORTION_DIRECTED: f64 = 1.0;
+
+/// Default distortion bound for isotropic guides, whose directions are only propagated.
+pub const DISTORTION_ISOTROPIC: f64 = 1.4;
+
+/// Opaque areas of pastes laid per area of surface: what random seeding takes until nothing is left.
+const PASTES_PER_COVER: f64 = 2.3;
+
+/// More pastes than this are refused: the scale is surely a mistake.
+const MAX_PASTES: f64 = 4e6;
+
+/// More coverage cells than this are refused.
+const MAX_CELLS: f64 = 4e9;
+
+/// How to paste.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PasteOptions {
+    /// Seed of all random choices.
+    pub seed: u64,
+    /// Growth stops where the image of the tangential basis is further than this (Frobenius norm) from the texture's
+    /// axes. `None` chooses by the guide.
+    pub distortion: Option<f64>,
+    /// How new vertices are placed.
+    pub predictor: Predictor,
+    /// Weights of faces in the fit.
+    pub weights: Weights,
+    /// How isotropic patches are fitted.
+    pub isotropic_fit: IsotropicFit,
+    /// Sort pastes so that hard edges lie at the bottom.
+    pub hide_hard_edges: bool,
+    /// Remove faces that later pastes hide.
+    pub cull: bool,
+}
+
+impl Default for PasteOptions {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            distortion: None,
+            predictor: Predictor::default(),
+            weights: Weights::default(),
+            isotropic_fit: IsotropicFit::default(),
+            hide_hard_edges: true,
+            cull: true,
+        }
+    }
+}
+
+/// Why pasting ended without a result.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PasteError {
+    /// Nothing to paste.
+    #[error("there is no texture patch to paste: give at least one exemplar")]
+    NoPatches,
+    /// More patches than a record can name.
+    #[error("there are {0} texture patches; a record can name {max}", max = u16::MAX)]
+    TooManyPatches(usize),
+    /// The guide belongs to another mesh.
+    #[error("the field has {found} faces, the mesh {expected}: it was made for another mesh")]
+    GuideSize {
+        /// Faces of the guide.
+        found: usize,
+        /// Faces of the mesh.
+        expected: usize,
+    },
+    /// The field has no usable basis at a face.
+    #[error("the tangent field vanishes or turns inside out at face {face}: give it a direction there")]
+    NoBasis {
+        /// The face.
+        face: u32,
+    },
+    /// The job is far too large for its scale.
+    #[error(
+        "at a scale of {scale:.3e} (world length of one exemplar width) this surface takes about {pastes:.1e} pastes and \
+         {cells:.1e} coverage samples: use a scale of at least {usable:.3e}"
+    )]
+    ScaleTooSmall {
+        /// Mean scale.
+        scale: f64,
+        /// Pastes estimated.
+        pastes: f64,
+        /// Samples estimated.
+        cells: f64,
+        /// A scale that would do.
+        usable: f64,
+    },
+    /// The scale dwarfs the mesh.
+    #[error(
+        "a scale of {scale:.3e} (world length of one exemplar width) is {times:.0e} times the size of the mesh, which would \
+         show a single texel: use one below {usable:.3e}"
+    )]
+    ScaleTooLarge {
+        /// Mean scale.
+        scale: f64,
+        /// Relative to the mesh.
+        times: f64,
+        /// A scale that would do.
+        usable: f64,
+    },
+    /// The distortion bound is no bound.
+    #[error("the distortion bound is {0}: give a number above zero (1 is usual)")]
+    Distortion(f64),
+    /// The progress sink asked to stop.
+    #[error("pasting was cancelled")]
+    Cancelled,
+}
+
+/// A scale above this many bounding box diagonals is refused.
+const MAX_SCALE: f64 = 1e4;
+
+/// Figures of a run.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct PasteStatistics {
+    /// Pastes in the record.
+    pub pastes: usize,
+    /// Pastes laid; the difference was hidden completely.
+    pub pastes_laid: usize,
+    /// Faces of all surface patches together, as grown.
+    pub grown_faces: u64,
+    /// Draws per face before culling: mean over faces.
+    pub draws_before_cull: f64,
+    /// Draws per face in the record: mean over faces.
+    pub draws_per_face: f64,
+    /// The same, mean over the surface's area.
+    pub draws_per_area: f64,
+    /// Conjugate gradient iterations per fit.
+    pub iterations_per_fit: f64,
+    /// Share of pastes that grew again after a fit.
+    pub regrowths_per_paste: f64,
+    /// Seeds whose texture patch was too thin to cover a coverage cell.
+    pub forced_seeds: u64,
+    /// Coverage samples.
+    pub coverage_samples: u64,
+    /// Points of the final audit.
+    pub audit_samples: u64,
+    /// The least composite alpha it found.
+    pub least_alpha: f32,
+    /// Pastes laid for holes it found.
+    pub repairs: usize,
+    /// Pastes with a hard edge.
+    pub pastes_with_hard_edges: u64,
+    /// World length of all hard edges, weighted by alpha.
+    pub hard_edge_length: f64,
+    /// World length of hard edges that show, weighted by their alpha and by what lies over them.
+    pub visible_hard_edge_length: f64,
+    /// The same, divided by mean exemplar width, per exemplar area of surface.
+    pub visible_hard_edges_per_exemplar: f64,
+    /// Why growth stopped inside the hull, in edges.
+    pub stops: Stops,
+    /// How the fitted faces deviate from the field.
+    pub deviation: SpreadSummary,
+    /// Seconds per stage.
+    pub seconds: StageSeconds,
+}
+
+/// Seconds per stage. Growing, fitting and covering run on several threads: their seconds are summed over threads.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct StageSeconds {
+    /// Masks, lattices, tables (wall).
+    pub prepare: f64,
+    /// Growing and fitting (all threads).
+    pub lay: f64,
+    /// Coverage and recording (all threads).
+    pub cover: f64,
+    /// The whole loop (wall).
+    pub pasting: f64,
+    /// The audit and its repairs (wall).
+    pub audit: f64,
+    /// Ordering and culling (wall).
+    pub order_and_cull: f64,
+    /// All of it (wall).
+    pub total: f64,
+}
+
+/// Covers a mesh. `difficulty` says per face, 0 to 1, how hard a patch is to lay flat there (empty: nowhere).
+///
+/// # Errors
+/// If there is nothing to paste, the guide does not fit the mesh, the scale is absurd, or the sink cancels.
+pub fn paste(
+    mesh: &Mesh,
+    guide: &Guide,
+    exemplars: Vec<Exemplar>,
+    patches: Vec<TexturePatch>,
+    difficulty: &[f32],
+    options: &PasteOptions,
+    progress: &dyn Progress,
+) -> Result<(LappedTexture, PasteStatistics), PasteError> {
+    let begin = Instant::now();
+    check(mesh, guide, &patches, options)?;
+    let width = |p: &TexturePatch| exemplars[p.exemplar as usize].size()[0];
+    let plans: Vec<PatchPlan> = patches.iter().map(|p| PatchPlan::new(p, width(p))).collect();
+    let masks: Vec<CoverageMask> = patches.iter().map(CoverageMask::new).collect();
+    let texels = f64::from(patches.iter().map(width).max().unwrap_or(1));
+    let texel: Vec<f32> =
+        (0..mesh.face_count() as u32).into_par_iter().map(|f| (least_scale(mesh, guide, f) / texels) as f32).collect();
+    check_size(mesh, guide, &texel, &patches, &plans, texels)?;
+    let pitch: Vec<f32> = texel.iter().map(|t| t * CELL_TEXELS as f32).collect();
+    let none = vec![0.0; if difficulty.is_empty() { mesh.face_count() } else { 0 }];
+    let isotropic = matches!(guide, Guide::Isotropic { .. });
+    let mut work = Loop::new(LayoutInput {
+        mesh,
+        guide,
+        patches: &patches,
+        plans: &plans,
+        masks: &masks,
+        pitch: &pitch,
+        difficulty: if difficulty.is_empty() { &none } else { difficulty },
+        distortion: options.distortion.unwrap_or(if isotropic { DISTORTION_ISOTROPIC } else { DISTORTION_DIRECTED }),
+        predictor: options.predictor,
+        fit: lay::FitChoice { weights: options.weights, isotropic: options.isotropic_fit },
+        seed: options.seed,
+    });
+    let mut statistics = PasteStatistics::default();
+    statistics.seconds.prepare = begin.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    work.run(progress)?;
+    statistics.seconds.pasting = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    progress.stage("checking coverage", 0);
+    for round in 0..=REPAIRS {
+        let found = audit(mesh, &patches, &masks, work.pastes(), &|f| f64::from(texel[f as usize]) * AUDIT_TEXELS);
+        statistics.audit_samples = found.samples;
+        statistics.least_alpha = found.least_alpha;
+        if found.holes.is_empty() || round == REPAIRS {
+            break;
+        }
+        statistics.repairs += found.holes.len();
+        work.patch_up(&found.holes)?;
+    }
+    statistics.seconds.audit = start.elapsed().as_secs_f64();
+
+    let start = Instant::now();
+    progress.stage("ordering and culling", 0);
+    let Layout { mut pastes, mut edges, totals } = work.finish();
+    statistics.pastes_laid = pastes.len();
+    statistics.draws_before_cull = draws(mesh, &pastes).0;
+    if options.hide_hard_edges {
+        let order = order::by_hard_edges(&edges);
+        pastes = permute(pastes, &order);
+        edges = permute(edges, &order);
+    }
+    let mut lapped = LappedTexture { exemplars, patches, pastes };
+    let left = order::cull(mesh, &mut lapped, &masks, &|f| f64::from(pitch[f as usize]), options.cull);
+    edges = permute(edges, &left);
+    let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
+    statistics.visible_hard_edge_length = order::visible_length(&lapped, &lists, &edges);
+    statistics.hard_edge_length = edges.iter().flatten().map(|e| f64::from(e.weight)).sum();
+    statistics.seconds.order_and_cull = start.elapsed().as_secs_f64();
+
+    let area = mesh.total_area();
+    let scale = mean_scale(mesh, guide);
+    statistics.pastes = lapped.pastes.len();
+    (statistics.draws_per_face, statistics.draws_per_area) = draws(mesh, &lapped.pastes);
+    statistics.grown_faces = totals.grown_faces;
+    statistics.iterations_per_fit = totals.iterations as f64 / (statistics.pastes_laid as f64 + totals.regrowths as f64);
+    statistics.regrowths_per_paste = totals.regrowths as f64 / statistics.pastes_laid as f64;
+    statistics.forced_seeds = totals.forced;
+    statistics.coverage_samples = totals.samples;
+    statistics.pastes_with_hard_edges = totals.pastes_with_hard_edges;
+    statistics.visible_hard_edges_per_exemplar = statistics.visible_hard_edge_length / scale / (area / (scale * scale));
+    statistics.stops = totals.stops;
+    statistics.deviation = totals.spread.summary();
+    statistics.seconds.lay = totals.lay_seconds;
+    statistics.seconds.cover = totals.cover_seconds;
+    statistics.seconds.total = begin.elapsed().as_secs_f64();
+    Ok((lapped, statistics))
+}
+
+fn permute<T>(items: Vec<T>, order: &[u32]) -> Vec<T> {
+    let mut items: Vec<Option<T>> = items.into_iter().map(Some).collect();
+    order.iter().filter_map(|&i| items[i as usize].take()).collect()
+}
+
+/// Mean draws per face, and per area.
+fn draws(mesh: &Mesh, pastes: &[Paste]) -> (f64, f64) {
+    let (mut count, mut area) = (0_usize, 0.0);
+    for paste in pastes {
+        count += paste.faces.len();
+        area += paste.faces.iter().map(|&f| mesh.area(f)).sum::<f64>();
+    }
+    (count as f64 / mesh.face_count() as f64, area / mesh.total_area())
+}
+
+/// World length of one exemplar width at a face, in the direction where it is least.
+fn least_scale(mesh: &Mesh, guide: &Guide, face: u32) -> f64 {
+    match guide {
+        Guide::Directed(field) if field.right.is_some() => {
+            let (right, up) = field.basis(mesh, face);
+            let normal = mesh.normal(face);
+            let e1 = normal.any_orthonormal_vector();
+            let e2 = normal.cross(e1);
+            let m = DMat2::from_cols_array(&[right.dot(e1), right.dot(e2), up.dot(e1), up.dot(e2)]);
+            singular_values(m).1.abs()
+        }
+        _ => f64::from(guide.scale(face)),
+    }
+}
+
+/// Mean scale over the area.
+fn mean_scale(mesh: &Mesh, guide: &Guide) -> f64 {
+    let sum: f64 = (0..mesh.face_count() as u32).map(|f| mesh.area(f) * f64::from(guide.scale(f))).sum();
+    sum / mesh.total_area()
+}
+
+fn check(mesh: &Mesh, guide: &Guide, patches: &[TexturePatch], options: &PasteOptions) -> Result<(), PasteError> {
+    if patches.is_empty() {
+        return Err(PasteError::NoPatches);
+    }
+    if patches.len() > usize::from(u16::MAX) {
+        return Err(PasteError::TooManyPatches(patches.len()));
+    }
+    let found = match guide {
+        Guide::Directed(field) => field.up.len(),
+        Guide::Isotropic { scale } => scale.len(),
+    };
+    if found != mesh.face_count() {
+        return Err(PasteError::GuideSize { found, expected: mesh.face_count() });
+    }
+    match options.distortion {
+        Some(bound) if bound.is_nan() || bound <= 0.0 => Err(PasteError::Distortion(bound)),
+        _ => Ok(()),
+    }
+}
+
+/// Pixels of a patch with alpha of at least one half.
+fn opaque_pixels(patch: &TexturePatch) -> f64 {
+    patch.mask.finest().data().iter().filter(|&&a| a >= 0.5).count() as f64
+}
+
+/// Refuses scales at which the job would never end, or show nothing.
+fn check_size(
+    mesh: &Mesh,
+    guide: &Guide,
+    texel: &[f32],
+    patches: &[TexturePatch],
+    plans: &[PatchPlan],
+    texels: f64,
+) -> Result<(), PasteError> {
+    let least = |f: u32| f64::from(texel[f as usize]) * texels;
+    if let Some(face) = (0..mesh.face_count() as u32).find(|&f| !(least(f) > 0.0 && least(f).is_finite())) {
+        return Err(PasteError::NoBasis { face });
+    }
+    let scale = mean_scale(mesh, guide);
+    let (low, high) = mesh.bounds();
+    let diagonal = f64::from((high - low).length());
+    if scale > MAX_SCALE * diagonal {
+        return Err(PasteError::ScaleTooLarge { scale, times: scale / diagonal, usable: MAX_SCALE * diagonal });
+    }
+    let widths: f64 = (0..mesh.face_count() as u32).map(|f| mesh.area(f) / (least(f) * least(f))).sum();
+    let opaque: f64 = patches.iter().zip(plans).map(|(p, plan)| opaque_pixels(p) / plan.pixels_per_width().powi(2)).sum();
+    let pastes = PASTES_PER_COVER * widths / (opaque / patches.len() as f64).max(f64::MIN_POSITIVE);
+    let cells = widths * (texels / CELL_TEXELS).powi(2);
+    let excess = (pastes / MAX_PASTES).max(cells / MAX_CELLS);
+    if excess > 1.0 {
+        return Err(PasteError::ScaleTooSmall { scale, pastes, cells, usable: scale * excess.sqrt() });
+    }
+    Ok(())
+}

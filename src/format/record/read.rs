@@ -1,7 +1,7 @@
 //! GLB to record. Every index, length and offset is checked; mip chains are built anew.
 
 use super::{EXTENSION, Record, VERSION};
-use crate::exemplar::{Channel, Exemplar, Image, MipChain, TexturePatch, Wrap};
+use crate::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wrap};
 use crate::format::error::Problem;
 use crate::format::gltf::accessor::Data;
 use crate::format::gltf::document::Document;
@@ -205,7 +205,7 @@ fn read_patch(data: &Data<'_>, index: usize, entry: &PatchEntry) -> Result<Textu
         exemplar: entry.exemplar,
         origin: entry.origin,
         mask: MipChain::mask(mask),
-        hull: pairs.iter().map(|&p| point(p)).collect(),
+        hull: Hull::new(pairs.iter().map(|&p| point(p)).collect()),
         centre: point(entry.centre),
         weight: entry.weight as f32,
     })

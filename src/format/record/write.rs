@@ -125,7 +125,7 @@ impl<'a> Glb<'a> {
         let mut patches = Vec::with_capacity(masks.len());
         for (k, (patch, mask)) in lapped.patches.iter().zip(masks).enumerate() {
             let mask = self.texture(format!("mask {k}"), mask?, Wrap::Clamp);
-            let hull: Vec<f64> = patch.hull.iter().flat_map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
+            let hull: Vec<f64> = patch.hull.points().iter().flat_map(|p| [f64::from(p.x), f64::from(p.y)]).collect();
             patches.push(json!({
                 "exemplar": patch.exemplar, "mask": mask, "origin": patch.origin, "size": patch.mask.size(),
                 "hull": hull, "centre": patch.centre.as_dvec2().to_array(), "weight": f64::from(patch.weight),

@@ -1,0 +1,188 @@
+//! The pastes composited: what a lapped texture looks like at a surface point (LT 4).
+//!
+//! The pastes on the point's face are walked from the top down, each weighted by what the ones above let through, until
+//! nothing more shows. All channels travel together; normals are turned from each paste's own frame into the mesh's
+//! space.
+
+use super::lapped::{FaceLists, LappedTexture, Paste};
+use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
+use crate::mesh::{Mesh, SurfacePoint};
+use crate::surface::{SurfaceTexture, Texel};
+use glam::{Vec2, Vec3};
+
+/// What is left to see through below this cannot change an 8-bit picture.
+const NOTHING_LEFT: f32 = 1.0 / 512.0;
+
+/// A lapped texture bound to its mesh, ready to be asked.
+#[derive(Debug)]
+pub struct Composite<'a> {
+    mesh: &'a Mesh,
+    lapped: &'a LappedTexture,
+    lists: FaceLists,
+    channels: ChannelSet,
+}
+
+impl<'a> Composite<'a> {
+    /// Sorts the pastes by face.
+    #[must_use]
+    pub fn new(mesh: &'a Mesh, lapped: &'a LappedTexture) -> Self {
+        let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
+        let channels = lapped.exemplars.iter().fold(ChannelSet::default(), |set, e| set.union(e.channels()));
+        Self { mesh, lapped, lists, channels }
+    }
+
+    /// The pastes on each face.
+    #[must_use]
+    pub const fn lists(&self) -> &FaceLists {
+        &self.lists
+    }
+
+    /// Alpha of all pastes together at a point, at the finest level.
+    #[must_use]
+    pub fn alpha(&self, at: SurfacePoint) -> f32 {
+        let mut clear = 1.0;
+        for &(paste, slot) in self.lists.of(at.face).iter().rev() {
+            clear *= 1.0 - paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, at.bary);
+        }
+        1.0 - clear
+    }
+
+    fn add(&self, texel: &mut Texel, weight: f32, (paste, slot): (u32, u32), at: SurfacePoint, footprint: f32) -> f32 {
+        let paste = &self.lapped.pastes[paste as usize];
+        let patch = &self.lapped.patches[paste.patch as usize];
+        let exemplar = &self.lapped.exemplars[patch.exemplar as usize];
+        let image = PixelMap::new(self.mesh, at.face, paste, patch, slot);
+        let pixel = image.pixel(at.bary);
+        let lod = (footprint * image.pixels_per_unit).max(1.0).log2();
+        let alpha = patch.mask.sample(pixel, lod).x;
+        if alpha <= 0.0 {
+            return 0.0;
+        }
+        let share = weight * alpha;
+        let place = exemplar_pixel(patch, paste, pixel);
+        let place = match exemplar.wrap {
+            Wrap::Clamp => place,
+            Wrap::Repeat => place.rem_euclid(Vec2::from(exemplar.size().map(|s| s as f32))),
+        };
+        let read = |channel: Channel| exemplar.channel(channel).map(|image| image.sample(place, lod));
+        if let Some(v) = read(Channel::BaseColor) {
+            texel.base_color += share * v;
+        }
+        texel.normal += share * read(Channel::Normal).map_or(image.normal, |n| image.to_mesh(n));
+        texel.height += share * read(Channel::Height).map_or(NEUTRAL.height, |v| v.x);
+        texel.roughness += share * read(Channel::Roughness).map_or(NEUTRAL.roughness, |v| v.x);
+        texel.metallic += share * read(Channel::Metallic).map_or(NEUTRAL.metallic, |v| v.x);
+        texel.occlusion += share * read(Channel::Occlusion).map_or(NEUTRAL.occlusion, |v| v.x);
+        texel.emissive += share * read(Channel::Emissive).unwrap_or(Vec3::ZERO);
+        texel.opacity += share * read(Channel::Opacity).map_or(NEUTRAL.opacity, |v| v.x);
+        alpha
+    }
+}
+
+/// What a paste without a channel contributes to it.
+const NEUTRAL: Texel = Texel::empty(Vec3::Z);
+
+/// Pixel of the exemplar under a pixel of the mask.
+#[inline]
+fn exemplar_pixel(patch: &TexturePatch, paste: &Paste, pixel: Vec2) -> Vec2 {
+    pixel + Vec2::new(patch.origin[0] as f32, patch.origin[1] as f32) + paste.offset
+}
+
+/// Alpha of one paste at a point of its face number `slot`, at the finest level.
+#[inline]
+pub(super) fn paste_alpha(patches: &[TexturePatch], paste: &Paste, slot: u32, bary: Vec3) -> f32 {
+    let mask = &patches[paste.patch as usize].mask;
+    let [a, b, c] = paste.uv[slot as usize];
+    let [w, h] = mask.size();
+    let uv = a * bary.x + b * bary.y + c * bary.z;
+    mask.finest().bilinear(uv * Vec2::new(w as f32, h as f32)).x
+}
+
+/// How a paste's texture lies on one face.
+struct PixelMap {
+    corner: [Vec2; 3],
+    /// Mask pixels per world unit, the mean over directions.
+    pixels_per_unit: f32,
+    /// World directions of texture right and up, and the face's normal; unit vectors.
+    right: Vec3,
+    up: Vec3,
+    normal: Vec3,
+}
+
+impl PixelMap {
+    fn new(mesh: &Mesh, face: u32, paste: &Paste, patch: &TexturePatch, slot: u32) -> Self {
+        let [w, h] = patch.mask.size();
+        let corner = paste.uv[slot as usize].map(|uv| uv * Vec2::new(w as f32, h as f32));
+        let p = mesh.corners(face);
+        let (e1, e2) = (p[1] - p[0], p[2] - p[0]);
+        let (d1, d2) = ((corner[1] - corner[0]).as_dvec2(), (corner[2] - corner[0]).as_dvec2());
+        let det = d1.perp_dot(d2);
+        let area = e1.cross(e2);
+        // World steps of one pixel right and down: the inverse of the map, up to the (irrelevant) size of det.
+        let sign = det.signum();
+        let right = (e1 * d2.y - e2 * d1.y) * sign;
+        let down = (e2 * d1.x - e1 * d2.x) * sign;
+        let ratio = if area.length() > 0.0 { (det.abs() / area.length()).sqrt() } else { 0.0 };
+        Self {
+            corner,
+            pixels_per_unit: ratio as f32,
+            right: right.normalize_or_zero().as_vec3(),
+            up: -down.normalize_or_zero().as_vec3(),
+            normal: area.normalize_or_zero().as_vec3(),
+        }
+    }
+
+    fn pixel(&self, bary: Vec3) -> Vec2 {
+        self.corner[0] * bary.x + self.corner[1] * bary.y + self.corner[2] * bary.z
+    }
+
+    /// A tangent-space normal in the mesh's space.
+    fn to_mesh(&self, n: Vec3) -> Vec3 {
+        (self.right * n.x + self.up * n.y + self.normal * n.z).normalize_or(self.normal)
+    }
+}
+
+impl SurfaceTexture for Composite<'_> {
+    fn channels(&self) -> ChannelSet {
+        self.channels
+    }
+
+    fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
+        let normal = self.mesh.normal(at.face).as_vec3();
+        let mut sum = Texel {
+            base_color: Vec3::ZERO,
+            alpha: 0.0,
+            normal: Vec3::ZERO,
+            height: 0.0,
+            roughness: 0.0,
+            metallic: 0.0,
+            occlusion: 0.0,
+            emissive: Vec3::ZERO,
+            opacity: 0.0,
+        };
+        let mut clear = 1.0;
+        for &entry in self.lists.of(at.face).iter().rev() {
+            let alpha = self.add(&mut sum, clear, entry, at, footprint);
+            clear *= 1.0 - alpha;
+            if clear < NOTHING_LEFT {
+                break;
+            }
+        }
+        let total = 1.0 - clear;
+        if total <= 0.0 {
+            return Texel::empty(normal);
+        }
+        let part = 1.0 / total;
+        Texel {
+            base_color: sum.base_color * part,
+            alpha: if clear < NOTHING_LEFT { 1.0 } else { total },
+            normal: sum.normal.normalize_or(normal),
+            height: sum.height * part,
+            roughness: sum.roughness * part,
+            metallic: sum.metallic * part,
+            occlusion: sum.occlusion * part,
+            emissive: sum.emissive * part,
+            opacity: sum.opacity * part,
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! Laying one paste: grow, fit, and grow again where the fit drew the surface patch back (LT 3.3, 3.4).
+
+use super::fit::{Deviation, FitProblem, Fitter, IsotropicFit, Weights, deviations};
+use super::frame::Frame;
+use super::grow::{PasteRule, Site, Stops};
+use crate::field::Guide;
+use crate::mesh::disc::{Disc, Grower, Scratch};
+use crate::mesh::{Mesh, SurfacePoint};
+use glam::DVec2;
+
+/// The fit may uncover parts of the texture patch, which then grows and is fitted again, at most this often: the second
+/// round adds few faces and the third next to none.
+const REGROWTHS: usize = 3;
+
+/// Faces smaller than this share of the hull's radius are judged together with their neighbours. On a fine or noisy mesh
+/// single faces tilt and flip without being seen; refusing them leaves slits in the patch, because the faces around a
+/// hole may not close the ring.
+const EVEN_OUT: f64 = 0.3;
+
+/// A patch grown that tolerantly is laid again, each face judged alone, if more than this share of its area ...
+const MAX_BAD_AREA: f64 = 0.01;
+
+/// ... is stretched by more than this after the fit.
+const BAD_STRETCH: f64 = 2.0;
+
+/// How to fit.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FitChoice {
+    /// Weights of the faces.
+    pub weights: Weights,
+    /// What to do for isotropic guides.
+    pub isotropic: IsotropicFit,
+}
+
+/// A surface patch laid flat over its texture patch.
+#[derive(Debug, Clone)]
+pub struct Laid {
+    /// The patch; its plane coordinates are texture coordinates in exemplar widths, t up, the centre at the origin.
+    pub disc: Disc,
+    /// Frames of its faces.
+    pub frames: Vec<Frame>,
+    /// Faces' edges where the texture ends without falling off, as (index of the disc's face, edge).
+    pub open: Vec<(usize, usize)>,
+    /// Why it ends there.
+    pub stops: Stops,
+    /// True if some face was judged together with its neighbours.
+    evened: bool,
+    /// Conjugate gradient iterations.
+    pub iterations: usize,
+    /// How often it was grown again after a fit.
+    pub regrowths: usize,
+}
+
+impl Laid {
+    /// How its faces deviate from the field.
+    pub fn deviations<'a>(&'a self, mesh: &'a Mesh) -> impl Iterator<Item = Deviation> + 'a {
+        deviations(mesh, &self.disc, &self.frames)
+    }
+}
+
+/// Lays a texture patch at a site, turned by `angle` where the guide is isotropic. `None` if the field has no usable
+/// basis at the seed.
+#[must_use]
+pub fn lay(site: Site, angle: f64, choice: FitChoice, scratch: &mut Scratch) -> Option<Laid> {
+    let tolerant = lay_evenly(site, EVEN_OUT, angle, choice, scratch)?;
+    if !tolerant.evened || bad_share(&tolerant, site.mesh) <= MAX_BAD_AREA {
+        return Some(tolerant);
+    }
+    let strict = lay_evenly(site, 0.0, angle, choice, scratch)?;
+    Some(Laid { iterations: strict.iterations + tolerant.iterations, ..strict })
+}
+
+/// Share of a patch's area that is stretched too much.
+fn bad_share(laid: &Laid, mesh: &Mesh) -> f64 {
+    let (bad, all) = laid.deviations(mesh).fold((0.0, 0.0), |(bad, all), d| {
+        let is_bad = d.stretch > BAD_STRETCH;
+        (bad + if is_bad { d.area } else { 0.0 }, all + d.area)
+    });
+    bad / all
+}
+
+fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch: &mut Scratch) -> Option<Laid> {
+    let (mut rule, uv) = PasteRule::new(site, even_out, angle)?;
+    let mut grower = Grower::new(site.mesh, scratch, site.seed.face, uv);
+    grower.grow(&mut rule);
+    let isotropic = matches!(site.guide, Guide::Isotropic { .. }).then_some(choice.isotropic);
+    let (mut iterations, mut regrowths) = (0, 0);
+    loop {
+        let disc = grower.disc();
+        let mut fitter =
+            Fitter::new(&FitProblem { mesh: site.mesh, disc, frames: rule.frames(), weights: choice.weights, isotropic });
+        let draft = fitter.draft(disc);
+        place(&mut grower, draft, site.seed);
+        rule.moved(grower.disc());
+        let grew = regrowths < REGROWTHS && grower.grow(&mut rule) > 0;
+        if !grew {
+            let fitted = fitter.finish(grower.disc());
+            place(&mut grower, fitted, site.seed);
+        }
+        iterations += fitter.iterations();
+        if !grew {
+            break;
+        }
+        regrowths += 1;
+    }
+    let stops = rule.stops(&grower);
+    let open = grower.open_border().collect();
+    let evened = rule.evened();
+    Some(Laid { frames: rule.into_frames(), disc: grower.into_disc(), open, stops, evened, iterations, regrowths })
+}
+
+/// Moves the disc to these coordinates, translated so that the seed point lies on the texture patch's centre. The seed
+/// face's corners are the disc's first three vertices.
+fn place(grower: &mut Grower, uv: Vec<DVec2>, seed: SurfacePoint) {
+    let w = seed.bary.as_dvec3();
+    let shift = uv[0] * w.x + uv[1] * w.y + uv[2] * w.z;
+    grower.uv_mut().iter_mut().zip(uv).for_each(|(to, q)| *to = q - shift);
+}
