@@ -1,7 +1,7 @@
 //! Lapped-texture records: what is written comes back, and nothing that contradicts itself is taken.
 
 use glam::{Vec2, Vec3, Vec4};
-use lapped::exemplar::{Channel, Exemplar, Image, MipChain, TexturePatch, Wrap};
+use lapped::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wrap};
 use lapped::format::{FaceGroup, Model, Record, read_model, read_record, write_record};
 use lapped::paste::{LappedTexture, Paste};
 use lapped::random::Random;
@@ -57,7 +57,7 @@ fn full_record() -> Record {
         exemplar,
         origin: [-3, 4],
         mask: MipChain::mask(bytes_image(9, 12, 1, random, |v| v)),
-        hull: vec![Vec2::new(0.1, 0.2), Vec2::new(7.3, 1.0 / 3.0), Vec2::new(5.0, 9.87654)],
+        hull: Hull::new(vec![Vec2::new(0.1, 0.2), Vec2::new(7.3, 1.0 / 3.0), Vec2::new(5.0, 9.87654)]),
         centre: Vec2::new(3.3, 4.7),
         weight: 0.7,
     };
