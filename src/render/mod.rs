@@ -1,1 +1,61 @@
 //! From a surface texture to a picture.
+//!
+//! The reference renderer runs on the CPU alone and needs no graphics driver. Whoever follows a picture walks one way:
+//! [`View`] frames the mesh and gives a [`Camera`]; [`Visibility`] says which face lies under each sample;
+//! [`draw`] shades what is seen there; a [`sheet()`] sets several views side by side.
+
+pub mod camera;
+pub mod ground;
+pub mod normals;
+pub mod occlusion;
+pub mod picture;
+pub mod raster;
+pub mod reference;
+pub mod shade;
+pub mod sheet;
+pub mod stroke;
+pub mod text;
+
+pub use camera::{Camera, Projection, View};
+pub use picture::Picture;
+pub use raster::{Grid, Hit, Visibility};
+pub use reference::{Background, DrawOptions, Stage, draw};
+pub use shade::Lighting;
+pub use sheet::{SheetOptions, sheet};
+
+/// Why a picture cannot be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// No pixels, or too many.
+    #[error(
+        "a picture of {width}x{height} pixels with {samples}x{samples} samples each cannot be drawn: use sides of 1 to {max_side} \
+         samples and at most {max_samples} samples in all"
+    )]
+    Size {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// Samples along each side of a pixel.
+        samples: u32,
+        /// The most samples along one side of the picture.
+        max_side: u32,
+        /// The most samples in the whole picture.
+        max_samples: u64,
+    },
+    /// A camera string that cannot be read.
+    #[error("the camera {text:?}: {reason}; write for example `three-quarter,zoom=1.2` or `yaw=30,pitch=20`")]
+    Camera {
+        /// What was given.
+        text: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The picture could not be encoded as a PNG file.
+    #[error("the picture could not be encoded as PNG: {reason}")]
+    Encode {
+        /// What the encoder says.
+        reason: String,
+    },
+}
