@@ -2,7 +2,8 @@
 //!
 //! The reference renderer runs on the CPU alone and needs no graphics driver. Whoever follows a picture walks one way:
 //! [`View`] frames the mesh and gives a [`Camera`]; [`Visibility`] says which face lies under each sample;
-//! [`draw`] shades what is seen there; a [`sheet()`] sets several views side by side.
+//! [`draw`] shades what is seen there; a [`sheet()`] sets several views side by side, and a [`preview()`] does so in a
+//! [`PreviewStyle`] that shows the method at work.
 
 pub mod camera;
 pub mod ground;
@@ -14,6 +15,7 @@ pub mod reference;
 pub mod shade;
 pub mod sheet;
 pub mod stroke;
+pub mod style;
 pub mod text;
 
 pub use camera::{Camera, Projection, View};
@@ -22,6 +24,7 @@ pub use raster::{Grid, Hit, Visibility};
 pub use reference::{Background, DrawOptions, Stage, draw};
 pub use shade::Lighting;
 pub use sheet::{SheetOptions, sheet};
+pub use style::{PreviewStyle, Subject, preview};
 
 /// Why a picture cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -51,6 +54,20 @@ pub enum RenderError {
         text: String,
         /// What is wrong with it.
         reason: String,
+    },
+    /// A style that does not exist.
+    #[error("{text:?} is no preview style: there are texture, pastes, field, coverage, stretch and wireframe")]
+    Style {
+        /// What was given.
+        text: String,
+    },
+    /// A style whose data is not there.
+    #[error("the preview style {style} shows {what}, and there is none here: choose another style")]
+    Missing {
+        /// The style.
+        style: &'static str,
+        /// What it needs.
+        what: &'static str,
     },
     /// The picture could not be encoded as a PNG file.
     #[error("the picture could not be encoded as PNG: {reason}")]

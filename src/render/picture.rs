@@ -85,20 +85,6 @@ pub fn to_byte(value: f32) -> u8 {
     (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
 
-/// Linear light to the sRGB curve (IEC 61966-2-1).
-#[inline]
-#[must_use]
-pub fn encode_srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// The sRGB curve to linear light.
-#[inline]
-#[must_use]
-pub fn decode_srgb(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,14 +96,6 @@ mod tests {
             picture.rgba[4 * 8 + 3] = alpha;
             let back = image::load_from_memory(&picture.png().unwrap()).unwrap().to_rgba8();
             assert_eq!(back.as_raw(), &picture.rgba, "alpha {alpha}");
-        }
-    }
-
-    #[test]
-    fn the_srgb_curve_and_its_inverse_agree_on_every_byte() {
-        for byte in 0..=255_u8 {
-            let back = to_byte(encode_srgb(decode_srgb(f32::from(byte) / 255.0)));
-            assert_eq!(back, byte, "there and back");
         }
     }
 

@@ -11,10 +11,11 @@ use super::camera::Camera;
 use super::ground::GroundShadow;
 use super::normals::corner_normals;
 use super::occlusion::openness;
-use super::picture::{Picture, encode_srgb, to_byte};
+use super::picture::{Picture, to_byte};
 use super::raster::{Grid, Hit, Lens, Visibility};
 use super::shade::{DIELECTRIC, Lighting, PLAIN, Stand, Surface, tone};
 use crate::exemplar::Channel;
+use crate::format::srgb;
 use crate::mesh::{Mesh, NONE};
 use crate::surface::{SurfaceTexture, Texel};
 use glam::{DVec3, Quat, Vec3};
@@ -178,7 +179,7 @@ impl Frame<'_> {
             return [0; 4];
         }
         let mixed = (colour + background * (through * alpha)) / total;
-        let [r, g, b] = mixed.to_array().map(|c| to_byte(encode_srgb(c)));
+        let [r, g, b] = mixed.to_array().map(|c| to_byte(srgb::encode(c)));
         [r, g, b, to_byte(total)]
     }
 
