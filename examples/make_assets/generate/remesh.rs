@@ -1,6 +1,6 @@
 //! From a signed distance field to well-shaped triangles.
 //!
-//! 1. Surface nets on a grid: one vertex in each cell that the surface passes, one quad around each grid edge it cuts.
+//! 1. Marching tetrahedra on a grid, six to the cell: no ambiguous cases, so a manifold.
 //! 2. Isotropic remeshing: split long edges, collapse short ones, flip towards six neighbours, relax in the tangent plane,
 //!    project back onto the field. The wished length is shorter where the surface bends.
 //!
@@ -29,8 +29,8 @@ pub(crate) struct Fineness {
 pub(crate) fn mesh_body(body: &Body, low: DVec3, high: DVec3, fineness: Fineness) -> Triangles {
     /// Rounds of remeshing; edge lengths and valences settle well before.
     const ROUNDS: usize = 9;
-    let net = surface_net(body, low, high, fineness.cell);
-    let mut work = Work::new(net);
+    let first = march(body, low, high, fineness.cell);
+    let mut work = Work::new(first);
     for _ in 0..ROUNDS {
         work.measure(body, fineness);
         work.split();
@@ -44,12 +44,11 @@ pub(crate) fn mesh_body(body: &Body, low: DVec3, high: DVec3, fineness: Fineness
     work.finish()
 }
 
-fn surface_net(body: &Body, low: DVec3, high: DVec3, cell: f64) -> Triangles {
+fn march(body: &Body, low: DVec3, high: DVec3, cell: f64) -> Triangles {
     /// Cells along a block that is skipped as a whole when the surface is far.
     const BLOCK: usize = 8;
     let count = ((high - low) / cell).ceil().to_array().map(|n| (n as usize).div_ceil(BLOCK) * BLOCK + 1);
     let place = |x: usize, y: usize, z: usize| low + DVec3::new(x as f64, y as f64, z as f64) * cell;
-    let index = |x: usize, y: usize, z: usize| (z * count[1] + y) * count[0] + x;
     let blocks = count.map(|n| (n - 1) / BLOCK);
     // Value at the middle of a block where the surface is too far to pass through it.
     let far: Vec<Option<f64>> = (0..blocks[0] * blocks[1] * blocks[2])
@@ -70,61 +69,81 @@ fn surface_net(body: &Body, low: DVec3, high: DVec3, cell: f64) -> Triangles {
             far[(b[2] * blocks[1] + b[1]) * blocks[0] + b[0]].unwrap_or_else(|| body.distance(place(at[0], at[1], at[2])))
         })
         .collect();
-    let mut vertex = vec![u32::MAX; values.len()];
-    let mut out = Triangles::default();
-    for z in 0..count[2] - 1 {
-        for y in 0..count[1] - 1 {
-            for x in 0..count[0] - 1 {
-                let corner = |k: usize| (x + (k & 1), y + (k >> 1 & 1), z + (k >> 2));
-                let value = |k: usize| {
-                    let (a, b, c) = corner(k);
-                    values[index(a, b, c)]
-                };
-                let (mut sum, mut crossings) = (DVec3::ZERO, 0.0);
-                for a in 0..8 {
-                    for axis in [1, 2, 4] {
-                        let (b, va, vb) = (a | axis, value(a), value(a | axis));
-                        if b != a && (va < 0.0) != (vb < 0.0) {
-                            let (p, q) = (corner(a), corner(b));
-                            sum += place(p.0, p.1, p.2).lerp(place(q.0, q.1, q.2), va / (va - vb));
-                            crossings += 1.0;
-                        }
-                    }
+    // The six tetrahedra of a cell: along its diagonal, by the orders in which the axes are walked. Odd orders are mirrored.
+    const WALKS: [([usize; 2], bool); 6] =
+        [([1, 3], true), ([2, 6], true), ([4, 5], true), ([1, 5], false), ([2, 3], false), ([4, 6], false)];
+    let mut cut = Cut { values: &values, count, low, cell, vertex: vec![u32::MAX; 8 * values.len()], mesh: Triangles::default() };
+    for i in 0..values.len() {
+        let at = [i % count[0], i / count[0] % count[1], i / (count[0] * count[1])];
+        if (0..3).any(|k| at[k] + 1 == count[k]) {
+            continue;
+        }
+        let corner = |k: usize| i + (k & 1) + (k >> 1 & 1) * count[0] + (k >> 2) * count[0] * count[1];
+        let first = values[i] < 0.0;
+        if (1..8).all(|k| (values[corner(k)] < 0.0) == first) {
+            continue;
+        }
+        for ([b, c], even) in WALKS {
+            cut.tetrahedron([(i, 0), (corner(b), b), (corner(c), c), (corner(7), 7)], even);
+        }
+    }
+    cut.mesh
+}
+
+/// Marching tetrahedra at work.
+struct Cut<'a> {
+    values: &'a [f64],
+    count: [usize; 3],
+    low: DVec3,
+    cell: f64,
+    /// Vertex on the edge from a grid point along the direction with the bits of its place in the list of eight.
+    vertex: Vec<u32>,
+    mesh: Triangles,
+}
+
+impl Cut<'_> {
+    /// Adds the surface within a tetrahedron. Each corner is a grid point and its place in the cell; places grow.
+    fn tetrahedron(&mut self, corners: [(usize, usize); 4], even: bool) {
+        /// Even orders of the corners that put any one, or any two, of them first.
+        const ONE: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]];
+        const TWO: [[usize; 4]; 6] = [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
+        let inside = corners.map(|(point, _)| self.values[point] < 0.0);
+        let number = inside.iter().filter(|&&i| i).count();
+        let add = |cut: &mut Self, face: [u32; 3], flip: bool| {
+            cut.mesh.faces.push(if flip { [face[0], face[2], face[1]] } else { face });
+        };
+        if number == 2 {
+            for [i, j, k, l] in TWO {
+                if inside[i] && inside[j] {
+                    let [a, b, c, d] = [[i, k], [i, l], [j, l], [j, k]].map(|[p, q]| self.vertex(corners[p], corners[q]));
+                    add(self, [a, b, c], !even);
+                    add(self, [a, c, d], !even);
                 }
-                if crossings > 0.0 {
-                    vertex[index(x, y, z)] = out.positions.len() as u32;
-                    out.positions.push(sum / crossings);
+            }
+        } else if number == 1 || number == 3 {
+            for [i, j, k, l] in ONE {
+                if inside[i] == (number == 1) {
+                    let face = [j, k, l].map(|q| self.vertex(corners[i], corners[q]));
+                    add(self, face, even == (number == 3));
                 }
             }
         }
     }
-    for z in 1..count[2] - 1 {
-        for y in 1..count[1] - 1 {
-            for x in 1..count[0] - 1 {
-                let inside = values[index(x, y, z)] < 0.0;
-                let quads = [
-                    (index(x + 1, y, z), [index(x, y - 1, z - 1), index(x, y, z - 1), index(x, y, z), index(x, y - 1, z)]),
-                    (index(x, y + 1, z), [index(x - 1, y, z - 1), index(x - 1, y, z), index(x, y, z), index(x, y, z - 1)]),
-                    (index(x, y, z + 1), [index(x - 1, y - 1, z), index(x, y - 1, z), index(x, y, z), index(x - 1, y, z)]),
-                ];
-                for (end, cells) in quads {
-                    if inside == (values[end] < 0.0) {
-                        continue;
-                    }
-                    let [a, b, c, d] = cells.map(|c| vertex[c]);
-                    let quad = if inside { [a, b, c, d] } else { [d, c, b, a] };
-                    let [a, b, c, d] = quad;
-                    let length = |u: u32, v: u32| out.positions[u as usize].distance_squared(out.positions[v as usize]);
-                    if length(a, c) <= length(b, d) {
-                        out.faces.extend([[a, b, c], [a, c, d]]);
-                    } else {
-                        out.faces.extend([[a, b, d], [b, c, d]]);
-                    }
-                }
-            }
+
+    fn vertex(&mut self, p: (usize, usize), q: (usize, usize)) -> u32 {
+        let (p, q) = if p.1 < q.1 { (p, q) } else { (q, p) };
+        let key = 8 * p.0 + (q.1 ^ p.1);
+        if self.vertex[key] == u32::MAX {
+            let place = |i: usize| {
+                let [nx, ny, _] = self.count;
+                self.low + DVec3::new((i % nx) as f64, (i / nx % ny) as f64, (i / (nx * ny)) as f64) * self.cell
+            };
+            let (u, v) = (self.values[p.0], self.values[q.0]);
+            self.vertex[key] = self.mesh.positions.len() as u32;
+            self.mesh.positions.push(place(p.0).lerp(place(q.0), u / (u - v)));
         }
+        self.vertex[key]
     }
-    out
 }
 
 /// A face that is gone.
@@ -383,7 +402,9 @@ impl Work {
         };
         let targets: Vec<DVec3> = (0..self.positions.len()).into_par_iter().map(target).collect();
         for (v, to) in targets.into_iter().enumerate() {
-            if self.keeps_sides(v as u32, to, body.normal(to), &[]) {
+            // Nor may vertices run together, which they would where the field's gradient jumps.
+            let apart = self.neighbours(v as u32).iter().map(|&w| self.point(w).distance(to)).fold(f64::INFINITY, f64::min);
+            if apart > 0.4 * self.wish[v] && self.keeps_sides(v as u32, to, body.normal(to), &[]) {
                 self.positions[v] = to;
             }
         }

@@ -131,7 +131,7 @@ pub(crate) fn vase() -> Triangles {
     mesh
 }
 
-/// A round patch of hills, 2.4 units across, open all around, about 5,000 faces.
+/// A round patch of hills, 2.4 units across and 0.9 high, open all around, about 5,000 faces.
 pub(crate) fn terrain() -> Triangles {
     /// Edge length in plan.
     const EDGE: f64 = 0.046;
@@ -150,7 +150,7 @@ pub(crate) fn terrain() -> Triangles {
         // One mountain off the middle, foothills around.
         let (dx, dz) = (p.x + 0.15, p.z + 0.2);
         let mountain = exp(-(dx * dx + dz * dz) / 0.42);
-        p.y = mountain * (0.5 + 0.55 * ridge) + 0.14 * ridge + 0.12 * broad + 0.025 * detail;
+        p.y = mountain * (0.42 + 0.42 * ridge) + 0.14 * ridge + 0.12 * broad + 0.025 * detail;
     }
     rest(mesh)
 }
