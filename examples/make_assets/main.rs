@@ -25,5 +25,10 @@ fn main() -> Result<()> {
     for mesh in generate::MESHES.iter().filter(|m| m.file.starts_with(&wanted)) {
         write("meshes", mesh.file, &mesh.bytes())?;
     }
+    for exemplar in generate::EXEMPLARS.iter().filter(|e| e.name.starts_with(&wanted)) {
+        for (file, bytes) in exemplar.files().with_context(|| format!("cannot encode {}", exemplar.name))? {
+            write("exemplars", &file, &bytes)?;
+        }
+    }
     Ok(())
 }

@@ -212,8 +212,5 @@ fn triangulate(outer: &Loop, inner: &[&Loop]) -> Vec<[DVec2; 3]> {
         .exclude_outer_faces(true);
     let refined = cdt.refine(parameters);
     let outside: std::collections::BTreeSet<usize> = refined.excluded_faces.iter().map(|f| f.index()).collect();
-    cdt.inner_faces()
-        .filter(|f| !outside.contains(&f.fix().index()))
-        .map(|f| f.positions().map(|p| DVec2::new(p.x, p.y)))
-        .collect()
+    cdt.inner_faces().filter(|f| !outside.contains(&f.fix().index())).map(|f| f.positions().map(|p| DVec2::new(p.x, p.y))).collect()
 }

@@ -134,9 +134,7 @@ pub(crate) fn fractal3(p: DVec3, octaves: u32, seed: u64) -> f64 {
             let z = hash(base.z as i64 + dz, 0, seed + u64::from(octave));
             2.0 * unit(base.x as i64 + dx, base.y as i64 + dy, z) - 1.0
         };
-        let plane = |dz| {
-            mix(mix(value(0, 0, dz), value(1, 0, dz), f[0]), mix(value(0, 1, dz), value(1, 1, dz), f[0]), f[1])
-        };
+        let plane = |dz| mix(mix(value(0, 0, dz), value(1, 0, dz), f[0]), mix(value(0, 1, dz), value(1, 1, dz), f[0]), f[1]);
         sum += weight * mix(plane(0), plane(1), f[2]);
         total += weight;
         weight *= 0.5;

@@ -322,9 +322,7 @@ impl Work {
                 continue;
             }
             let normal = body.normal(middle);
-            if !sliver
-                && (!self.keeps_sides(a, middle, normal, &[f, g]) || !self.keeps_sides(b, middle, normal, &[f, g]))
-            {
+            if !sliver && (!self.keeps_sides(a, middle, normal, &[f, g]) || !self.keeps_sides(b, middle, normal, &[f, g])) {
                 continue;
             }
             self.replace(f, DEAD);
