@@ -37,7 +37,7 @@ impl<'a> Lines<'a> {
 
 /// The words of a line, parted by spaces and tabs.
 pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(|b| b.is_ascii_whitespace()).filter(|w| !w.is_empty())
+    line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty())
 }
 
 /// Bytes as readable text, shortened, for messages.

@@ -85,7 +85,7 @@ struct Layer<'a> {
 impl<'a> Layer<'a> {
     fn new(patches: &[TexturePatch], masks: &'a [CoverageMask], pastes: &[Paste], (paste, slot): (u32, u32)) -> Self {
         let paste = &pastes[paste as usize];
-        let corner = mask_pixels(paste, slot, patches[paste.patch as usize].mask.size()).map(|p| p.as_vec2());
+        let corner = mask_pixels(paste, slot, patches[paste.patch as usize].mask.size()).map(glam::DVec2::as_vec2);
         Self { mask: &masks[paste.patch as usize], corner }
     }
 

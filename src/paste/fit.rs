@@ -210,7 +210,7 @@ impl Fitter {
             true => nearest_rotation(image(&elements[i], corners[i].map(|v| uv[v as usize]))),
             false => DMat2::IDENTITY,
         });
-        let mut x: Vec<Pair> = uv.iter().map(|q| q.to_array()).collect();
+        let mut x: Vec<Pair> = uv.iter().map(DVec2::to_array).collect();
         let options = CgOptions { tolerance, max_iterations: MAX_ITERATIONS, coupled: false };
         self.iterations += solve(|x, y| matrix.times(x, y), &rhs, &mut x, multigrid, options).iterations;
         uv.iter_mut().zip(&x).for_each(|(q, x)| *q = DVec2::from(*x));

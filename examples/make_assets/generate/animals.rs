@@ -29,7 +29,7 @@ pub(crate) fn scales() -> Pictures {
             // Straight-sided at the root, then drawn to a blunt point.
             let s = ((t - 0.36) / 0.64).max(0.0);
             let reach = pow((1.0 - pow(s, 1.75)).max(0.0), 0.68) * (0.88 + 0.12 * step(0.0, 0.4, t));
-            if t < 0.0 || t >= 1.0 || side.abs() >= reach {
+            if !(0.0..1.0).contains(&t) || side.abs() >= reach {
                 continue;
             }
             // Distance to the rim: sideways, and towards the tip.

@@ -184,7 +184,7 @@ impl Solid {
             let (a, b) = (self.vertex(lower[i], low), self.vertex(lower[j], low));
             let (c, d) = (self.vertex(upper[i], high), self.vertex(upper[j], high));
             // Diagonals alternate, so that no direction is preferred.
-            let pair = if (i + row) % 2 == 0 { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] };
+            let pair = if (i + row).is_multiple_of(2) { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] };
             self.mesh.faces.extend(pair.map(|[p, q, r]| if outward { [p, q, r] } else { [p, r, q] }));
         }
     }
@@ -195,7 +195,7 @@ fn triangulate(outer: &Loop, inner: &[&Loop]) -> Vec<[DVec2; 3]> {
     let mut cdt = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
     for line in std::iter::once(&outer).chain(inner) {
         let mut handles = Vec::new();
-        for p in line.iter() {
+        for p in *line {
             if let Ok(handle) = cdt.insert(Point2::new(p.x, p.y)) {
                 handles.push(handle);
             }
@@ -211,6 +211,7 @@ fn triangulate(outer: &Loop, inner: &[&Loop]) -> Vec<[DVec2; 3]> {
         .with_max_additional_vertices(4000)
         .exclude_outer_faces(true);
     let refined = cdt.refine(parameters);
-    let outside: std::collections::BTreeSet<usize> = refined.excluded_faces.iter().map(|f| f.index()).collect();
+    let outside: std::collections::BTreeSet<usize> =
+        refined.excluded_faces.iter().map(spade::internals::FixedHandleImpl::index).collect();
     cdt.inner_faces().filter(|f| !outside.contains(&f.fix().index())).map(|f| f.positions().map(|p| DVec2::new(p.x, p.y))).collect()
 }
