@@ -9,7 +9,7 @@
 //!
 //! New vertices lie at edge midpoints, so the surface does not move.
 
-use super::{Mesh, MeshError, NONE, SurfacePoint, next};
+use super::{MAX_FACES, Mesh, MeshError, NONE, SurfacePoint, next};
 use glam::{Mat3, Vec3};
 
 /// A subdivided mesh and the way back to the one it came from.
@@ -85,35 +85,75 @@ impl Subdivision {
 pub fn subdivide(mesh: &Mesh, marked: &[bool]) -> Result<Subdivision, MeshError> {
     let cut = cut_edges(mesh, marked);
     let (midpoint, positions) = midpoints(mesh, &cut);
-    let mut faces = Vec::with_capacity(mesh.face_count());
-    let mut parent = Vec::with_capacity(mesh.face_count());
-    let mut corners = Vec::with_capacity(mesh.face_count());
-    for f in 0..mesh.face_count() as u32 {
-        // Corners 0 to 2, then the midpoints of the edges that start at them.
+    let pattern = |f: u32| pattern([0, 1, 2].map(|k| cut[(3 * f + k) as usize]));
+    let faces_in = 0..mesh.face_count() as u32;
+    let count: usize = faces_in.clone().map(|f| pattern(f).children.len()).sum();
+    if count > MAX_FACES || positions.len() > MAX_FACES {
+        return Err(MeshError::TooLarge { count: count.max(positions.len()), max: MAX_FACES });
+    }
+    let mut faces = Vec::with_capacity(count);
+    let mut parent = Vec::with_capacity(count);
+    let mut corners = Vec::with_capacity(count);
+    let mut first_child = Vec::with_capacity(mesh.face_count());
+    for f in faces_in.clone() {
         let m = [0, 1, 2].map(|k| midpoint[(3 * f + k) as usize]);
         let [a, b, c] = mesh.faces[f as usize];
         let vertex = [a, b, c, m[0], m[1], m[2]];
-        for child in children(m.map(|v| v != NONE)) {
+        first_child.push(faces.len() as u32);
+        for child in pattern(f).children {
             faces.push(child.map(|local| vertex[local]));
             parent.push(f);
             corners.push(child.map(|local| LOCAL[local]));
         }
     }
-    Ok(Subdivision { mesh: Mesh::new(positions, faces)?, parent, corners })
+    // The table follows from the coarse one. Matching vertices anew would not do: two edges may share both their ends.
+    let mut opposite = vec![NONE; 3 * count];
+    for f in faces_in {
+        let base = 3 * first_child[f as usize];
+        for &[g, h] in pattern(f).inner {
+            opposite[(base + g) as usize] = base + h;
+            opposite[(base + h) as usize] = base + g;
+        }
+        for k in 0..3 {
+            let o = mesh.opposite[(3 * f + k) as usize];
+            if o == NONE {
+                continue;
+            }
+            // The halves of the edge beyond run the other way.
+            let [first, last] = pattern(f).outer[k as usize].map(|h| base + h);
+            let [there_first, there_last] = pattern(o / 3).outer[(o % 3) as usize].map(|h| 3 * first_child[(o / 3) as usize] + h);
+            opposite[first as usize] = there_last;
+            opposite[last as usize] = there_first;
+        }
+    }
+    Ok(Subdivision { mesh: Mesh { positions, faces, opposite }, parent, corners })
 }
 
-/// Barycentric coordinates of a face's corners and edge midpoints.
+/// Barycentric coordinates of a face's corners and of the midpoints of the edges that start at them.
 const LOCAL: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(0.5, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.5), Vec3::new(0.5, 0.0, 0.5)];
 
-/// The children of a face by which of its edges are cut, in terms of [`LOCAL`].
-fn children(cut: [bool; 3]) -> &'static [[usize; 3]] {
+/// How a face is cut. Half-edges are counted through the children: half-edge `k` of child `c` is `3 c + k`.
+struct Pattern {
+    /// Corners of the children, in terms of [`LOCAL`].
+    children: &'static [[usize; 3]],
+    /// Pairs of opposite half-edges between children.
+    inner: &'static [[u32; 2]],
+    /// For each of the face's edges its first and its last half (the same for one that is not cut).
+    outer: [[u32; 2]; 3],
+}
+
+const fn pattern(cut: [bool; 3]) -> Pattern {
     match cut {
-        [false, false, false] => &[[0, 1, 2]],
-        [true, false, false] => &[[0, 3, 2], [3, 1, 2]],
-        [false, true, false] => &[[1, 4, 0], [4, 2, 0]],
-        [false, false, true] => &[[2, 5, 1], [5, 0, 1]],
+        [false, false, false] => Pattern { children: &[[0, 1, 2]], inner: &[], outer: [[0, 0], [1, 1], [2, 2]] },
+        [true, false, false] => Pattern { children: &[[0, 3, 2], [3, 1, 2]], inner: &[[1, 5]], outer: [[0, 3], [4, 4], [2, 2]] },
+        [false, true, false] => Pattern { children: &[[1, 4, 0], [4, 2, 0]], inner: &[[1, 5]], outer: [[2, 2], [0, 3], [4, 4]] },
+        [false, false, true] => Pattern { children: &[[2, 5, 1], [5, 0, 1]], inner: &[[1, 5]], outer: [[4, 4], [2, 2], [0, 3]] },
         // Two cut edges do not occur: such faces are red.
-        _ => &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+        _ => Pattern {
+            children: &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
+            inner: &[[1, 11], [5, 9], [6, 10]],
+            outer: [[0, 3], [4, 7], [8, 2]],
+        },
     }
 }
 
@@ -197,6 +237,24 @@ mod tests {
         assert_eq!(subdivide(&mesh, &[]).expect("it fits").mesh, mesh, "nothing marked, nothing changed");
         let all = subdivide(&mesh, &vec![true; mesh.face_count()]).expect("it fits");
         assert_eq!(all.mesh.face_count(), 4 * mesh.face_count(), "all marked: four times the faces");
+    }
+
+    #[test]
+    fn edges_that_share_both_ends_stay_apart() {
+        // Six faces around vertex 0, which meets vertex 1 twice on the way round; the seventh makes one fan at vertex 1 too.
+        let faces = vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [0, 1, 4], [0, 4, 5], [0, 5, 1], [4, 1, 5]];
+        let mut opposite = vec![NONE; 21];
+        for (g, h) in [(2, 3), (5, 6), (8, 9), (11, 12), (14, 15), (17, 0), (10, 18), (16, 19), (13, 20)] {
+            opposite[g as usize] = h;
+            opposite[h as usize] = g;
+        }
+        let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::Y, -Vec3::Z];
+        let mesh = Mesh { positions, faces, opposite };
+        mesh.check().expect("manifold");
+        assert!(Mesh::new(mesh.positions.clone(), mesh.faces.clone()).is_err(), "vertices alone do not tell the edges apart");
+        let fine = subdivide(&mesh, &vec![true; mesh.face_count()]).expect("it fits");
+        fine.mesh.check().expect("still manifold");
+        assert_eq!(fine.mesh.euler_characteristic(), mesh.euler_characteristic(), "topology");
     }
 
     #[test]
