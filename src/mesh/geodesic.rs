@@ -174,11 +174,17 @@ impl<'m> Geodesic<'m> {
         for h in mesh.ring(self.first[v as usize]) {
             let (a, b) = (mesh.origin(next(h)), mesh.origin(prev(h)));
             let (pa, pb) = (mesh.point(a), mesh.point(b));
-            for (to, p) in [(a, pa), (b, pb)] {
+            // The next face of the ring takes its turn at `b`, if there is one.
+            let last = mesh.opposite[prev(h) as usize] == NONE;
+            for (to, p) in [(a, pa)].into_iter().chain(last.then_some((b, pb))) {
                 let distance = here + at.distance(p);
                 self.improve(Step { to, distance, source, via: Via::Edge(v) }, admit, carry);
             }
             for (from, p, to, target) in [(a, pa, b, pb), (b, pb, a, pa)] {
+                // What is nearer than both ends lies on the sources' side of the edge.
+                if self.distance[to as usize] <= here.min(self.distance[from as usize]) {
+                    continue;
+                }
                 if let Some((distance, share)) = self.over_edge([v, from], [at, p], target) {
                     self.improve(Step { to, distance, source, via: Via::Across([v, from], share) }, admit, carry);
                 }
