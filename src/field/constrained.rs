@@ -81,6 +81,7 @@ fn through_anchors(
     options: &FieldOptions,
     base: impl Fn() -> Result<(Vec<Vec3>, usize), FieldError>,
 ) -> Result<(TangentField, ConstrainedStatistics), FieldError> {
+    check(mesh, anchors, options)?;
     let directed = anchors.iter().any(|a| a.direction.is_some());
     let (base, base_filled) = if directed && options.base_weight == 0.0 { (Vec::new(), 0) } else { base()? };
     let of_base = Base { weight: options.base_weight, directions: &base };
@@ -127,12 +128,27 @@ pub fn constrained_scale(
     anchors: &[Anchor],
     options: &FieldOptions,
 ) -> Result<(Guide, ConstrainedStatistics), FieldError> {
+    check(mesh, anchors, options)?;
     let base = Base { weight: options.base_weight, directions: &[] };
     let alone: Vec<Anchor> =
         anchors.iter().map(|a| Anchor { direction: None, ln_stretch: None, shear: None, ..a.clone() }).collect();
     let ln_scale = spread(mesh, &alone, &base, options.carry).ln_scale;
     let (scale, statistics) = scales(mesh, anchors, options, ln_scale)?;
     Ok((Guide::Isotropic { scale }, statistics))
+}
+
+/// Anchors and options can come from anywhere; what the spreading relies on is tested here.
+fn check(mesh: &Mesh, anchors: &[Anchor], options: &FieldOptions) -> Result<(), FieldError> {
+    if !(options.base_weight.is_finite() && options.base_weight >= 0.0) {
+        return Err(FieldError::BaseWeight(options.base_weight));
+    }
+    let count = mesh.face_count();
+    let length = |x: f64| x.is_normal() && x > 0.0;
+    let usable = |a: &Anchor| (a.at.face as usize) < count && a.at.bary.is_finite() && length(a.extent) && length(a.weight);
+    match anchors.iter().position(|a| !usable(a)) {
+        Some(index) => Err(FieldError::Anchor { index, face: anchors[index].at.face, count }),
+        None => Ok(()),
+    }
 }
 
 /// World length of one exemplar width per face.
@@ -297,6 +313,19 @@ mod tests {
         let direction_only = anchors(&mesh, vec![Constraint { direction: Some([0.0, 1.0, 0.0]), ..point(DVec3::X * 1.4) }]);
         let (field, _) = constrained(&mesh, &direction_only, &FieldOptions::default()).expect("a field");
         assert!(field.up.iter().all(|t| (t.length() - 1.0).abs() < 1e-5), "scale 1 everywhere");
+    }
+
+    #[test]
+    fn anchors_of_another_mesh_are_refused() {
+        let mesh = square();
+        let strangers = anchors(&shapes::torus(60, 30, 1.0, 0.4), vec![Constraint { scale: Some(2.0), ..point(DVec3::X) }]);
+        let stranger = Anchor { at: crate::mesh::SurfacePoint { face: 2000, ..strangers[0].at }, ..strangers[0].clone() };
+        let refused = constrained(&mesh, &[stranger], &FieldOptions::default());
+        assert_eq!(refused.map(|_| ()), Err(FieldError::Anchor { index: 0, face: 2000, count: 1152 }), "a face beyond the mesh");
+        let flat = Anchor { extent: 0.0, ..anchors(&mesh, vec![Constraint { scale: Some(2.0), ..point(DVec3::X) }])[0].clone() };
+        assert!(constrained_scale(&mesh, &[flat], &FieldOptions::default()).is_err(), "no extent");
+        let options = FieldOptions { base_weight: f64::NAN, ..FieldOptions::default() };
+        assert!(matches!(constrained(&mesh, &[], &options), Err(FieldError::BaseWeight(_))), "no weight");
     }
 
     #[test]

@@ -23,6 +23,18 @@ pub enum FieldError {
         /// What is wrong.
         problem: ConstraintProblem,
     },
+    /// An anchor that was not made for this mesh.
+    #[error(
+        "anchor {index} (counting from 0) lies on face {face} of {count} or has no usable extent or weight: make the anchors anew for this mesh"
+    )]
+    Anchor {
+        /// Its place in the list.
+        index: usize,
+        /// The face it names.
+        face: u32,
+        /// Faces of the mesh.
+        count: usize,
+    },
     /// The text is not what was expected.
     #[error("not a valid {what}: {reason}")]
     Syntax {

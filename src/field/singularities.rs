@@ -29,7 +29,9 @@ pub fn turns(mesh: &Mesh, directions: &[Vec3]) -> Vec<f32> {
     (0..mesh.opposite.len() as u32).into_par_iter().map(|h| turn(mesh, directions, h) as f32).collect()
 }
 
-fn turn(mesh: &Mesh, directions: &[Vec3], h: u32) -> f64 {
+/// [`turns`] of one half-edge.
+#[must_use]
+pub fn turn(mesh: &Mesh, directions: &[Vec3], h: u32) -> f64 {
     let o = mesh.opposite[h as usize];
     if o == NONE {
         return 0.0;
