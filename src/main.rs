@@ -1,3 +1,8 @@
 //! The command line: parses arguments, prints errors; nothing else.
 
-fn main() {}
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    lapped::cli::run(lapped::cli::Cli::parse())
+}

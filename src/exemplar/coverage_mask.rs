@@ -134,10 +134,11 @@ impl CoverageMask {
     #[must_use]
     pub fn alpha(&self, at: Vec2) -> f32 {
         let p = at - 0.5;
-        let (x, y) = (p.x as u32, p.y as u32);
-        if !(p.cmpge(Vec2::ZERO).all() && x + 1 < self.width && y + 1 < self.height) {
+        // Between the first and the last pixel centres; further out the border is transparent.
+        if !(p.cmpge(Vec2::ZERO).all() && p.cmplt(self.size - 1.0).all()) {
             return 0.0;
         }
+        let (x, y) = (p.x as u32, p.y as u32);
         let first = y as usize * self.width as usize + x as usize;
         let (top, bottom) = (&self.cells[first..first + 2], &self.cells[first + self.width as usize..][..2]);
         let f = Vec2::new(p.x - x as f32, p.y - y as f32);

@@ -17,7 +17,7 @@ pub use hull::Hull;
 pub use image::{Image, MipChain};
 pub use mask::CoverageMask;
 pub use outline::Outline;
-pub use patch::{PatchOptions, PatchShape, PatchSource, PatchSpec, make_patches};
+pub use patch::{PatchOptions, PatchShape, PatchSource, PatchSpec, make_patches, opacity_is_outline};
 
 use glam::Vec2;
 

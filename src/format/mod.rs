@@ -20,11 +20,11 @@ mod stl;
 mod text;
 
 pub use error::{FormatError, Warning};
-pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_mask};
+pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_exemplar_bytes, read_mask};
 pub use model::{FaceGroup, Model, Source};
 pub use output::write_file;
 pub use picture::save_image;
-pub use record::{Record, read_record, write_record};
+pub use record::{Record, holds_record, read_record, read_record_bytes, write_record};
 
 use std::path::Path;
 

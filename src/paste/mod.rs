@@ -57,7 +57,7 @@ pub const DISTORTION_DIRECTED: f64 = 1.0;
 pub const DISTORTION_ISOTROPIC: f64 = 1.4;
 
 /// Opaque areas of pastes laid per area of surface: what random seeding takes until nothing is left.
-const PASTES_PER_COVER: f64 = 2.3;
+pub const PASTES_PER_COVER: f64 = 2.3;
 
 /// More pastes than this are refused: the scale is surely a mistake.
 const MAX_PASTES: f64 = 4e6;

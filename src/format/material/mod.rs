@@ -72,6 +72,31 @@ pub fn read_exemplar(path: &Path, options: &ExemplarOptions) -> Result<(Exemplar
     Ok((exemplar, warnings))
 }
 
+/// An exemplar from files already in memory, the base colour first; normals point y up, heights are bright outward. The
+/// paths are for messages.
+///
+/// # Errors
+/// If a file cannot be decoded, or does not fit the first.
+pub fn read_exemplar_bytes<'a>(
+    name: &str,
+    files: impl Iterator<Item = (Channel, &'a Path, &'a [u8])>,
+) -> Result<Exemplar, FormatError> {
+    let mut exemplar: Option<Exemplar> = None;
+    for (channel, path, file) in files {
+        if file.is_empty() {
+            return Err(FormatError::Empty { path: path.to_owned() });
+        }
+        let picture = decode(file, image::guess_format(file).ok(), Transfer::of(channel));
+        let image = picture.map_err(|problem| FormatError::malformed(path, problem))?.image;
+        let image = if channel.components() == 3 { in_color(image) } else { in_grey(&image) };
+        match &mut exemplar {
+            None => exemplar = Some(Exemplar::new(name, image)),
+            Some(e) => e.set(channel, image).map_err(|source| FormatError::Exemplar { path: path.to_owned(), source })?,
+        }
+    }
+    exemplar.ok_or_else(|| FormatError::Empty { path: name.into() })
+}
+
 /// Reads a mask: an image's transparency if it has any, else its brightness as it is stored; one component, 0 to 1.
 ///
 /// # Errors

@@ -7,7 +7,7 @@
 mod read;
 mod write;
 
-pub use read::{read_record, read_record_bytes};
+pub use read::{holds_record, read_record, read_record_bytes};
 pub use write::write_record;
 
 use super::model::Model;

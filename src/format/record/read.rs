@@ -36,6 +36,14 @@ pub fn read_record_bytes(path: &Path, file: &[u8]) -> Result<Record, FormatError
     parse(file, path.parent()).map_err(|problem| FormatError::malformed(path, problem))
 }
 
+/// True if a file is glTF and holds a lapped texture; says nothing of whether that is sound.
+#[must_use]
+pub fn holds_record(file: &[u8]) -> bool {
+    let json = if glb::is_glb(file) { glb::split(file).map(|(json, _)| json).ok() } else { Some(file) };
+    let document = json.filter(|j| j.trim_ascii_start().starts_with(b"{")).and_then(|j| Document::parse(j).ok());
+    document.is_some_and(|d| d.extensions.contains_key(EXTENSION))
+}
+
 /// The extension as it stands in the JSON.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]

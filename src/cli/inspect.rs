@@ -1,0 +1,220 @@
+//! `lapped inspect`: what is in a file, and what cleaning would do to it.
+
+use super::{Common, report};
+use crate::exemplar::Channel;
+use crate::field::{DEFAULT_RATIO, default_scale};
+use crate::format::{ExemplarOptions, Model, Record, holds_record, read_exemplar, read_model_bytes, read_record_bytes};
+use crate::mesh::{CleanOptions, CleanReport, clean};
+use anyhow::Context;
+use clap::Args;
+use serde::Serialize;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `lapped inspect`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  lapped inspect bunny.obj             counts, flaws, size, and the texture scale that would be chosen
+  lapped inspect bunny-lapped.glb      the pastes in a record
+  lapped inspect bricks.png --json     the same for programs")]
+pub struct InspectArgs {
+    /// A mesh, a record or an exemplar
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// As JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Weld vertices closer than this, world units
+    #[arg(long, value_name = "TOL", default_value_t = 0.0)]
+    pub weld: f64,
+    /// See [`Common`].
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What is in a mesh file.
+#[derive(Debug, Serialize)]
+struct MeshReport {
+    kind: &'static str,
+    format: String,
+    name: String,
+    file_vertices: usize,
+    file_polygons: usize,
+    up: Option<String>,
+    unit: Option<String>,
+    has_uvs: bool,
+    has_colors: bool,
+    groups: usize,
+    notes: Vec<String>,
+    clean: CleanReport,
+    bounds_min: [f32; 3],
+    bounds_max: [f32; 3],
+    area: f64,
+    /// World length of one exemplar width that `paste` would choose for a square exemplar.
+    default_scale: f64,
+    /// Pastes at that scale, roughly.
+    estimated_pastes: u64,
+    lapped: Option<LappedReport>,
+}
+
+/// What is in a record.
+#[derive(Debug, Serialize)]
+struct LappedReport {
+    generator: String,
+    exemplars: Vec<ImageReport>,
+    patches: usize,
+    pastes: usize,
+    draws_per_face: f64,
+    has_field: bool,
+    subdivided_faces: usize,
+}
+
+/// What is in an exemplar.
+#[derive(Debug, Serialize)]
+struct ImageReport {
+    kind: &'static str,
+    name: String,
+    width: u32,
+    height: u32,
+    channels: Vec<&'static str>,
+    warnings: Vec<String>,
+}
+
+/// Opaque share of a splotch, for estimates.
+const SPLOTCH_SHARE: f64 = 0.6;
+
+/// Runs the command.
+///
+/// # Errors
+/// If the file cannot be read as a mesh, a record or an image.
+pub fn run(args: &InspectArgs) -> anyhow::Result<()> {
+    let is_image = image::ImageFormat::from_path(&args.file).is_ok() || args.file.is_dir();
+    if is_image {
+        let (exemplar, warnings) = read_exemplar(&args.file, &ExemplarOptions::default())?;
+        let found = image_report(&exemplar, warnings.iter().map(ToString::to_string).collect());
+        return show(args, &found, image_text(&found));
+    }
+    let file = std::fs::read(&args.file).with_context(|| format!("{}: cannot be read", args.file.display()))?;
+    let (model, lapped) = if holds_record(&file) {
+        let record = read_record_bytes(&args.file, &file)?;
+        let lapped = lapped_report(&record);
+        (record.model, Some(lapped))
+    } else {
+        (read_model_bytes(&args.file, &file)?, None)
+    };
+    let found = mesh_report(args, &model, lapped)?;
+    show(args, &found, mesh_text(&args.file, &found))
+}
+
+fn show(args: &InspectArgs, found: &impl Serialize, text: String) -> anyhow::Result<()> {
+    let text = if args.json { serde_json::to_string_pretty(found)? } else { text };
+    writeln!(std::io::stdout(), "{}", text.trim_end())?;
+    match &args.common.report {
+        Some(path) => report::write(path, found),
+        None => Ok(()),
+    }
+}
+
+fn image_report(exemplar: &crate::exemplar::Exemplar, warnings: Vec<String>) -> ImageReport {
+    let [width, height] = exemplar.size();
+    let channels = exemplar.channels().iter().map(Channel::name).collect();
+    ImageReport { kind: "exemplar", name: exemplar.name.clone(), width, height, channels, warnings }
+}
+
+fn lapped_report(record: &Record) -> LappedReport {
+    let faces: usize = record.lapped.pastes.iter().map(|p| p.faces.len()).sum();
+    let parts = record.source_face.as_ref().map_or(0, |s| s.windows(2).filter(|w| w[0] == w[1]).count());
+    LappedReport {
+        generator: record.generator.clone(),
+        exemplars: record.lapped.exemplars.iter().map(|e| image_report(e, Vec::new())).collect(),
+        patches: record.lapped.patches.len(),
+        pastes: record.lapped.pastes.len(),
+        draws_per_face: faces as f64 / record.model.faces.len() as f64,
+        has_field: record.field.is_some(),
+        subdivided_faces: parts,
+    }
+}
+
+fn mesh_report(args: &InspectArgs, model: &Model, lapped: Option<LappedReport>) -> anyhow::Result<MeshReport> {
+    let options = CleanOptions { weld: args.weld, ..CleanOptions::default() };
+    let cleaned = clean(&model.positions, &model.faces, &options).with_context(|| args.file.display().to_string())?;
+    let (low, high) = cleaned.mesh.bounds();
+    let source = &model.source;
+    Ok(MeshReport {
+        kind: if lapped.is_some() { "record" } else { "mesh" },
+        format: source.format.clone(),
+        name: model.name.clone(),
+        file_vertices: source.vertices,
+        file_polygons: source.polygons,
+        up: source.up.clone(),
+        unit: source.unit.clone(),
+        has_uvs: model.uvs.is_some(),
+        has_colors: model.colors.is_some(),
+        groups: model.groups.len(),
+        notes: source.notes.clone(),
+        clean: cleaned.report,
+        bounds_min: low.to_array(),
+        bounds_max: high.to_array(),
+        area: cleaned.mesh.total_area(),
+        default_scale: default_scale(&cleaned.mesh, DEFAULT_RATIO, 1.0),
+        estimated_pastes: (crate::paste::PASTES_PER_COVER * DEFAULT_RATIO / SPLOTCH_SHARE) as u64,
+        lapped,
+    })
+}
+
+fn image_text(found: &ImageReport) -> String {
+    let mut text = format!("{}: {}x{} pixels, {}\n", found.name, found.width, found.height, found.channels.join(", "));
+    found.warnings.iter().for_each(|w| text += &format!("  note: {w}\n"));
+    text
+}
+
+fn mesh_text(path: &Path, m: &MeshReport) -> String {
+    let c = &m.clean;
+    let mut text = format!("{}: {}\n", path.display(), m.format);
+    text += &format!("  in the file   {} vertices, {} polygons, {} triangles\n", m.file_vertices, m.file_polygons, c.faces_in);
+    text += &format!(
+        "  states        up {}, unit {}{}{}\n",
+        m.up.as_deref().unwrap_or("not stated"),
+        m.unit.as_deref().unwrap_or("not stated"),
+        if m.has_uvs { ", texture coordinates" } else { "" },
+        if m.has_colors { ", vertex colours" } else { "" },
+    );
+    text += &format!("  cleaned       {} vertices, {} faces\n", c.vertices, c.faces);
+    let done = [
+        (c.welded_vertices, "vertices welded"),
+        (c.unreferenced_vertices, "vertices without a face left out"),
+        (c.degenerate_faces, "faces without area dropped"),
+        (c.duplicate_faces, "second copies of faces set aside"),
+        (c.flipped_faces, "faces turned"),
+        (c.turned_components, "components turned inside out"),
+        (c.non_manifold_edges, "edges with more than two faces parted"),
+        (c.non_manifold_vertices, "vertices with several fans parted"),
+    ];
+    done.iter().filter(|(n, _)| *n > 0).for_each(|(n, what)| text += &format!("                {n} {what}\n"));
+    text += &format!(
+        "  shape         {} component(s), {} open; {} boundary edge(s) in {} loop(s); Euler characteristic {}\n",
+        c.components, c.open_components, c.boundary_edges, c.boundary_loops, c.euler_characteristic
+    );
+    let size: Vec<String> = (0..3).map(|k| format!("{:.4}", m.bounds_max[k] - m.bounds_min[k])).collect();
+    text += &format!("  size          {}, area {:.6}\n", size.join(" x "), m.area);
+    match &m.lapped {
+        Some(l) => {
+            text += &format!(
+                "  lapped        {} pastes of {} texture patches, {:.2} draws per face, by {}\n",
+                l.pastes, l.patches, l.draws_per_face, l.generator
+            );
+            for e in &l.exemplars {
+                text += &format!("  exemplar      {}: {}x{}, {}\n", e.name, e.width, e.height, e.channels.join(", "));
+            }
+        }
+        None => {
+            text += &format!(
+                "  paste         would choose --scale {:.4}: about {} pastes of a square exemplar\n",
+                m.default_scale, m.estimated_pastes
+            );
+        }
+    }
+    m.notes.iter().for_each(|n| text += &format!("  note          {n}\n"));
+    text
+}

@@ -1,0 +1,279 @@
+//! From a model and exemplars to a record with pastes.
+//!
+//! 1. Clean the model into a mesh.
+//! 2. Choose the scale, make the field, and cut the faces that are too large for it near its singularities.
+//! 3. Cut texture patches from each exemplar.
+//! 4. Paste.
+//! 5. Bring the pastes back onto the model's own faces.
+
+use super::bind::Outgoing;
+use crate::exemplar::extend::extend_exemplar;
+use crate::exemplar::{Exemplar, ExemplarError, PatchOptions, PatchSource, PatchSpec, TexturePatch, make_patches};
+use crate::field::{
+    self, Constraints, FieldError, FieldOptions, Guide, RefineOptions, RefineStatistics, TangentField, constrained_on,
+    constrained_scale, default_scale, discontinuity, refine_near_singularities, up_on,
+};
+use crate::format::{Model, Record};
+use crate::mesh::curvature::curvature;
+use crate::mesh::subdivide::Subdivision;
+use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, MeshError, clean};
+use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, paste};
+use crate::progress::Progress;
+use glam::DVec3;
+use serde::Serialize;
+use std::time::Instant;
+
+/// How large the texture is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Scale {
+    /// World length of one exemplar width.
+    World(f64),
+    /// So that the surface has this many times the first exemplar's area.
+    Ratio(f64),
+}
+
+impl Default for Scale {
+    fn default() -> Self {
+        Self::Ratio(field::DEFAULT_RATIO)
+    }
+}
+
+/// What steers the texture.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Steer {
+    /// An axis projected onto the surface.
+    Up(DVec3),
+    /// Constraints, with the axis they are measured against.
+    Constraints(Constraints, DVec3),
+    /// No direction; constraints give the scale.
+    Isotropic(Option<Constraints>),
+    /// A field made for this model's mesh, as text.
+    Field(String),
+}
+
+impl Default for Steer {
+    fn default() -> Self {
+        Self::Up(DVec3::Y)
+    }
+}
+
+/// An exemplar and what to cut from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExemplarInput {
+    /// The exemplar as read.
+    pub exemplar: Exemplar,
+    /// How often it is pasted, relative to the others.
+    pub weight: f32,
+    /// Shapes of its texture patches. Empty: its own transparency if it has any, else splotches.
+    pub patches: Vec<PatchSpec>,
+}
+
+/// A job.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PasteJob {
+    /// How to clean the model.
+    pub clean: CleanOptions,
+    /// How large the texture is.
+    pub scale: Scale,
+    /// What steers it.
+    pub steer: Steer,
+    /// Leave faces near singularities as they are.
+    pub keep_faces: bool,
+    /// How texture patches are cut.
+    pub patches: PatchOptions,
+    /// How to paste.
+    pub paste: PasteOptions,
+}
+
+/// Why a job ended without a result.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum JobError {
+    /// The model.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// An exemplar.
+    #[error(transparent)]
+    Exemplar(#[from] ExemplarError),
+    /// The field.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Pasting.
+    #[error(transparent)]
+    Paste(#[from] PasteError),
+}
+
+/// Figures of a job.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct JobReport {
+    /// What cleaning did.
+    pub clean: CleanReport,
+    /// World length of one exemplar width, at relative scale 1.
+    pub scale: f64,
+    /// Surface area over the first exemplar's area.
+    pub ratio: f64,
+    /// Faces that took their direction from neighbours, because the axis says nothing there.
+    pub filled_faces: usize,
+    /// What subdivision near singularities did.
+    pub refine: Option<RefineStatistics>,
+    /// Texture patches.
+    pub patches: usize,
+    /// Figures of pasting.
+    pub paste: PasteStatistics,
+    /// What the user should know, one sentence each.
+    pub warnings: Vec<String>,
+    /// Seconds of cleaning, field and patches (wall).
+    pub prepare_seconds: f64,
+}
+
+/// A job done.
+#[derive(Debug, Clone)]
+pub struct Pasted {
+    /// The user's model with the pastes on its faces, ready to be written.
+    pub record: Record,
+    /// The mesh that was worked on.
+    pub mesh: Mesh,
+    /// The lapped texture on that mesh.
+    pub lapped: LappedTexture,
+    /// What steered it.
+    pub guide: Guide,
+    /// Figures.
+    pub report: JobReport,
+}
+
+/// Does a job.
+///
+/// # Errors
+/// If the model is no mesh, an exemplar has no usable patch, the field or scale is unusable, or `progress` cancels.
+pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, progress: &dyn Progress) -> Result<Pasted, JobError> {
+    let begin = Instant::now();
+    let mut report = JobReport::default();
+    progress.stage("cleaning the mesh", 0);
+    let cleaned = clean(&model.positions, &model.faces, &job.clean)?;
+    report.clean = cleaned.report.clone();
+
+    progress.stage("cutting texture patches", 0);
+    let (exemplars, patches) = cut_patches(inputs, &job.patches, &mut report.warnings)?;
+    report.patches = patches.len();
+
+    progress.stage("making the field", 0);
+    let aspect = exemplars.first().map_or(1.0, |e| f64::from(e.size()[0]) / f64::from(e.size()[1]));
+    report.scale = match job.scale {
+        Scale::World(length) => length,
+        Scale::Ratio(ratio) => default_scale(&cleaned.mesh, ratio, aspect),
+    };
+    report.ratio = cleaned.mesh.total_area() * aspect / (report.scale * report.scale);
+    let (fine, guide) = steer(&cleaned, job, &mut report)?;
+    let mesh = fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh);
+    let difficulty = difficulty(mesh, &guide);
+    report.prepare_seconds = begin.elapsed().as_secs_f64();
+
+    let (lapped, statistics) = paste(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
+    report.paste = statistics;
+
+    let out = Outgoing::new(model, &cleaned, fine.as_ref());
+    let record = Record {
+        field: guide.field().map(|f| out.per_face(&f.up)),
+        lapped: LappedTexture {
+            pastes: out.pastes(&lapped.pastes),
+            exemplars: lapped.exemplars.clone(),
+            patches: lapped.patches.clone(),
+        },
+        model: out.model,
+        source_face: out.source_face,
+        generator: concat!("lapped ", env!("CARGO_PKG_VERSION")).to_owned(),
+        job: serde_json::Value::Null,
+    };
+    let mesh = fine.map_or(cleaned.mesh, |f| f.mesh);
+    Ok(Pasted { record, mesh, lapped, guide, report })
+}
+
+/// Exemplars with their colours extended under transparency, and the patches cut from them.
+fn cut_patches(
+    inputs: Vec<ExemplarInput>,
+    options: &PatchOptions,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Exemplar>, Vec<TexturePatch>), JobError> {
+    let (mut exemplars, mut patches) = (Vec::new(), Vec::new());
+    for (index, mut input) in inputs.into_iter().enumerate() {
+        extend_exemplar(&mut input.exemplar)?;
+        let default = [PatchSpec { source: default_source(&input.exemplar, options), weight: 1.0 }];
+        let specs = if input.patches.is_empty() { &default[..] } else { &input.patches[..] };
+        let (cut, told) = make_patches(&input.exemplar, index as u16, specs, options)?;
+        warnings.extend(told);
+        let total: f32 = cut.iter().map(|p| p.weight).sum();
+        patches.extend(cut.into_iter().map(|p| TexturePatch { weight: p.weight / total * input.weight, ..p }));
+        exemplars.push(input.exemplar);
+    }
+    Ok((exemplars, patches))
+}
+
+/// Exemplars with transparent parts are their own outline; others get splotches, the shape whose seams show least on
+/// textures of any kind.
+fn default_source(exemplar: &Exemplar, options: &PatchOptions) -> PatchSource {
+    if crate::exemplar::opacity_is_outline(exemplar, options.feather) { PatchSource::Whole } else { PatchSource::Splotch }
+}
+
+/// The guide, on the mesh or on a subdivision of it.
+fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(Option<Subdivision>, Guide), JobError> {
+    let mesh = &cleaned.mesh;
+    let scale = report.scale;
+    let options = |axis: DVec3, constraints: &Constraints| FieldOptions {
+        scale,
+        axis,
+        base_weight: constraints.base_weight,
+        ..FieldOptions::default()
+    };
+    let mut filled = 0;
+    let mut evaluate: Box<dyn FnMut(&Subdivision) -> Result<TangentField, FieldError> + '_> = match &job.steer {
+        Steer::Up(axis) => Box::new(|fine| {
+            let (field, statistics) = up_on(mesh, fine, *axis, scale)?;
+            filled = statistics.filled_faces;
+            Ok(field)
+        }),
+        Steer::Constraints(constraints, axis) => {
+            let axis = constraints.axis(*axis);
+            let anchors = constraints.anchors(mesh, Some(&cleaned.user_faces), axis, scale)?;
+            let filled = &mut filled;
+            Box::new(move |fine| {
+                let (field, statistics) = constrained_on(mesh, fine, &anchors, &options(axis, constraints))?;
+                *filled = statistics.filled_faces;
+                Ok(field)
+            })
+        }
+        Steer::Isotropic(constraints) => {
+            let none = Constraints::default();
+            let constraints = constraints.as_ref().unwrap_or(&none);
+            let axis = constraints.axis(DVec3::Y);
+            let anchors = constraints.anchors(mesh, Some(&cleaned.user_faces), axis, scale)?;
+            return Ok((None, constrained_scale(mesh, &anchors, &options(axis, constraints))?.0));
+        }
+        Steer::Field(text) => return Ok((None, Guide::Directed(TangentField::from_json(mesh, text)?))),
+    };
+    if job.keep_faces {
+        let field = evaluate(&Subdivision::none(mesh))?;
+        drop(evaluate);
+        report.filled_faces = filled;
+        return Ok((None, Guide::Directed(field)));
+    }
+    let refined = refine_near_singularities(mesh, &RefineOptions::default(), &mut evaluate)?;
+    drop(evaluate);
+    report.filled_faces = filled;
+    report.refine = Some(refined.statistics);
+    Ok((Some(refined.subdivision), Guide::Directed(refined.field)))
+}
+
+/// A patch that spans half an exemplar bends by this many radians where it is as hard to lay flat as can be told apart.
+const HARDEST: f64 = std::f64::consts::FRAC_PI_2;
+
+/// How hard a patch is to lay flat at each face, 0 to 1: by curvature or by the field's own turning (LT 3.3).
+#[must_use]
+pub fn difficulty(mesh: &Mesh, guide: &Guide) -> Vec<f32> {
+    let bending = curvature(mesh).face_bending(mesh);
+    let turning = discontinuity(mesh, guide);
+    let one = |f: usize| {
+        let bend = f64::from(bending[f]) * 0.5 * f64::from(guide.scale(f as u32)) / HARDEST;
+        bend.max(f64::from(turning[f])).min(1.0) as f32
+    };
+    (0..mesh.face_count()).map(one).collect()
+}
