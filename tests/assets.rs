@@ -15,11 +15,11 @@ fn folder(name: &str) -> PathBuf {
 }
 
 fn files(name: &str) -> Vec<(String, u64)> {
-    let entries = fs::read_dir(folder(name)).unwrap_or_else(|e| panic!("assets/{name}: {e}"));
+    let entries = fs::read_dir(folder(name)).expect("the folder of assets");
     let mut found: Vec<_> = entries
         .map(|entry| {
-            let entry = entry.unwrap();
-            (entry.file_name().into_string().unwrap(), entry.metadata().unwrap().len())
+            let entry = entry.expect("a folder entry");
+            (entry.file_name().into_string().expect("a plain name"), entry.metadata().expect("file data").len())
         })
         .collect();
     found.sort();
@@ -28,26 +28,26 @@ fn files(name: &str) -> Vec<(String, u64)> {
 
 /// The committed mesh, read here by hand: a second opinion on the layout of the files.
 fn stored(file: &str) -> Triangles {
-    let bytes = fs::read(folder("meshes").join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+    let bytes = fs::read(folder("meshes").join(file)).expect("a mesh file of the catalogue");
     let mut mesh = Triangles::default();
     if file.ends_with(".obj") {
-        for line in String::from_utf8(bytes).unwrap().lines() {
+        for line in String::from_utf8(bytes).expect("OBJ is text").lines() {
             let words: Vec<&str> = line.split(' ').collect();
             match words[0] {
-                "v" => mesh.positions.push(DVec3::from_array([1, 2, 3].map(|k| words[k].parse().unwrap()))),
-                _ => mesh.faces.push([1, 2, 3].map(|k| words[k].parse::<u32>().unwrap() - 1)),
+                "v" => mesh.positions.push(DVec3::from_array([1, 2, 3].map(|k| words[k].parse().expect("a coordinate")))),
+                _ => mesh.faces.push([1, 2, 3].map(|k| words[k].parse::<u32>().expect("a vertex number") - 1)),
             }
         }
         return mesh;
     }
-    let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
-    let header = std::str::from_utf8(&bytes[..end]).unwrap();
+    let end = bytes.windows(11).position(|w| w == b"end_header\n").expect("a PLY header") + 11;
+    let header = std::str::from_utf8(&bytes[..end]).expect("an ASCII header");
     let count = |element: &str| -> usize {
-        let line = header.lines().find_map(|l| l.strip_prefix(element)).unwrap();
-        line.trim().parse().unwrap()
+        let line = header.lines().find_map(|l| l.strip_prefix(element)).expect("the element");
+        line.trim().parse().expect("a count")
     };
     let (vertices, faces) = (count("element vertex"), count("element face"));
-    let word = |at: usize| -> [u8; 4] { bytes[at..at + 4].try_into().unwrap() };
+    let word = |at: usize| -> [u8; 4] { bytes[at..at + 4].try_into().expect("4 bytes") };
     let float = |at: usize| f64::from(f32::from_le_bytes(word(at)));
     mesh.positions = (0..vertices).map(|i| DVec3::from_array([0, 4, 8].map(|k| float(end + 12 * i + k)))).collect();
     let start = end + 12 * vertices;
@@ -59,7 +59,7 @@ fn stored(file: &str) -> Triangles {
 fn cleaned(asset: &MeshAsset) -> (Mesh, CleanReport) {
     let mesh = stored(asset.file);
     let positions: Vec<Vec3> = mesh.positions.iter().map(|p| p.as_vec3()).collect();
-    let cleaned = clean(&positions, &mesh.faces, &CleanOptions::default()).unwrap();
+    let cleaned = clean(&positions, &mesh.faces, &CleanOptions::default()).expect("a mesh");
     (cleaned.mesh, cleaned.report)
 }
 
@@ -185,5 +185,28 @@ fn pictures_of_an_exemplar_are_aligned_and_normals_are_unit_vectors() {
             }
         }
         assert!(both > 1000 && agree * 100 > both * 95, "{}: {agree} of {both} normals fit the height", asset.name);
+    }
+}
+
+#[test]
+fn exemplars_tile() {
+    for asset in EXEMPLARS {
+        let picture = image::open(folder("exemplars").join(format!("{}_color.png", asset.name))).unwrap().into_rgb8();
+        let size = picture.width();
+        for upright in [false, true] {
+            // Mean difference between line `i` and the next; after the last comes the first.
+            let change = |i: u32| -> f64 {
+                let pixel =
+                    |line: u32, k: u32| if upright { picture.get_pixel(line % size, k) } else { picture.get_pixel(k, line % size) };
+                let sum: u32 = (0..size)
+                    .flat_map(|k| (0..3).map(move |c| (k, c)))
+                    .map(|(k, c)| u32::from(pixel(i, k).0[c].abs_diff(pixel(i + 1, k).0[c])))
+                    .sum();
+                f64::from(sum) / f64::from(3 * size)
+            };
+            let within = (0..size - 1).map(change).fold(0.0, f64::max);
+            let seam = change(size - 1);
+            assert!(seam <= within, "{}: {seam:.1} across the edge, at most {within:.1} within", asset.name);
+        }
     }
 }

@@ -83,17 +83,33 @@ impl Image {
         self.data[(y * self.width as usize + x) * self.components]
     }
 
-    /// Bilinear sample at continuous pixel coordinates, edge pixels repeated outward.
+    /// Bilinear sample at continuous pixel coordinates, edge pixels repeated outward. One component is given three times.
     #[must_use]
     pub fn bilinear(&self, at: Vec2) -> Vec3 {
-        let p = at - 0.5;
-        let base = p.floor();
-        let w = p - base;
-        let (x, y) = (base.x as i64, base.y as i64);
-        let top = self.pixel(x, y).lerp(self.pixel(x + 1, y), w.x);
-        let bottom = self.pixel(x, y + 1).lerp(self.pixel(x + 1, y + 1), w.x);
-        top.lerp(bottom, w.y)
+        let ((x0, x1), u) = neighbours(at.x, self.width);
+        let ((y0, y1), v) = neighbours(at.y, self.height);
+        let (top, bottom) = (y0 * self.width as usize, y1 * self.width as usize);
+        if self.components == 1 {
+            let [a, b, c, d] = [top + x0, top + x1, bottom + x0, bottom + x1].map(|i| self.data[i]);
+            let (ab, cd) = (a + u * (b - a), c + u * (d - c));
+            return Vec3::splat(ab + v * (cd - ab));
+        }
+        let [a, b, c, d] = [top + x0, top + x1, bottom + x0, bottom + x1].map(|i| Vec3::from_slice(&self.data[3 * i..3 * i + 3]));
+        let (ab, cd) = (a + u * (b - a), c + u * (d - c));
+        ab + v * (cd - ab)
     }
+}
+
+/// The pixels whose centres lie around a coordinate, clamped to `count` of them, and how far it is from the first to the
+/// second.
+#[inline]
+fn neighbours(at: f32, count: u32) -> ((usize, usize), f32) {
+    let p = at - 0.5;
+    // The saturating cast rounds towards 0; below 0 that is one too many. (`f32::floor` is a call on plain x86-64.)
+    let whole = p as i32;
+    let low = whole - i32::from(p < whole as f32);
+    let last = count as i32 - 1;
+    ((low.clamp(0, last) as usize, low.saturating_add(1).clamp(0, last) as usize), p - low as f32)
 }
 
 /// An image and its successive halvings down to one pixel.
@@ -160,6 +176,9 @@ impl MipChain {
     }
 
     fn sample_level(&self, at: Vec2, level: usize) -> Vec3 {
+        if level == 0 {
+            return self.levels[0].bilinear(at);
+        }
         let [w0, h0] = self.size();
         let image = &self.levels[level];
         let [w, h] = image.size();

@@ -4,6 +4,7 @@ use super::noise::{cells, fractal, step, unit};
 use super::portable::{cos, exp, pow, sin};
 use super::relief::{Light, Matter, Pictures, Relief, pick, srgb};
 use lapped::random::Random;
+use std::f64::consts::TAU;
 
 /// Keeled scales in offset rows, each lying over the row below it.
 pub(crate) fn scales() -> Pictures {
@@ -145,9 +146,9 @@ pub(crate) fn moss() -> Pictures {
         let bright = random.range(0.8, 1.2) * (0.75 + 6.0 * low.clamp(0.0, 0.09));
         let lift = 0.004 * random.unit();
         // A shoot is a small star of leaves.
-        let turn = random.range(0.0, 6.283);
+        let turn = random.range(0.0, TAU);
         for leaf in 0..5 {
-            let a = turn + f64::from(leaf) * 1.2566 + random.range(-0.3, 0.3);
+            let a = turn + f64::from(leaf) * TAU / 5.0 + random.range(-0.3, 0.3);
             let length = random.range(0.011, 0.019);
             let mut green = pick(&GREEN, tone) * bright;
             green = green.lerp(srgb(0x00B0_A444), 0.6 * step(0.1, 0.8, dry));

@@ -7,12 +7,12 @@ use glam::DVec3;
 
 /// About 6,000 faces.
 pub(crate) fn coarse() -> Triangles {
-    mesh(Detail::Plain, Fineness { cell: 0.03, longest: 0.17, shortest: 0.048, bend: 0.45 })
+    mesh(Detail::Plain, Fineness { cell: 0.042, longest: 0.17, shortest: 0.048, bend: 0.45 })
 }
 
 /// About 25,000 faces.
 pub(crate) fn fine() -> Triangles {
-    mesh(Detail::Full, Fineness { cell: 0.024, longest: 0.064, shortest: 0.019, bend: 0.37 })
+    mesh(Detail::Full, Fineness { cell: 0.026, longest: 0.064, shortest: 0.019, bend: 0.37 })
 }
 
 fn mesh(detail: Detail, fineness: Fineness) -> Triangles {

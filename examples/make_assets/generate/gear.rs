@@ -6,9 +6,10 @@
 
 use super::Triangles;
 use super::portable::{cos, sin};
+use super::solids::rest;
 use glam::{DVec2, DVec3};
 use spade::{AngleLimit, ConstrainedDelaunayTriangulation, Point2, RefinementParameters, Triangulation};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
 /// Edge length.
@@ -62,11 +63,7 @@ pub(crate) fn gear() -> Triangles {
     solid.both_walls(&rim, WEB_HALF, RIM_HALF, false);
     solid.both_walls(&hub, WEB_HALF, HUB_HALF - CHAMFER, true);
     solid.bevel(&hub, &hub_top, HUB_HALF - CHAMFER, HUB_HALF);
-    let mut mesh = solid.mesh;
-    for p in &mut mesh.positions {
-        p.y += TIP;
-    }
-    mesh
+    rest(solid.mesh)
 }
 
 /// Adds points from the last one of a loop to `end`, evenly, at most [`EDGE`] apart.
@@ -211,7 +208,6 @@ fn triangulate(outer: &Loop, inner: &[&Loop]) -> Vec<[DVec2; 3]> {
         .with_max_additional_vertices(4000)
         .exclude_outer_faces(true);
     let refined = cdt.refine(parameters);
-    let outside: std::collections::BTreeSet<usize> =
-        refined.excluded_faces.iter().map(spade::internals::FixedHandleImpl::index).collect();
-    cdt.inner_faces().filter(|f| !outside.contains(&f.fix().index())).map(|f| f.positions().map(|p| DVec2::new(p.x, p.y))).collect()
+    let outside: BTreeSet<_> = refined.excluded_faces.into_iter().collect();
+    cdt.inner_faces().filter(|f| !outside.contains(&f.fix())).map(|f| f.positions().map(|p| DVec2::new(p.x, p.y))).collect()
 }

@@ -46,7 +46,7 @@ pub(crate) fn mesh_body(body: &Body, low: DVec3, high: DVec3, fineness: Fineness
 
 fn march(body: &Body, low: DVec3, high: DVec3, cell: f64) -> Triangles {
     /// Cells along a block that is skipped as a whole when the surface is far.
-    const BLOCK: usize = 8;
+    const BLOCK: usize = 4;
     let count = ((high - low) / cell).ceil().to_array().map(|n| (n as usize).div_ceil(BLOCK) * BLOCK + 1);
     let place = |x: usize, y: usize, z: usize| low + DVec3::new(x as f64, y as f64, z as f64) * cell;
     let blocks = count.map(|n| (n - 1) / BLOCK);
@@ -57,8 +57,8 @@ fn march(body: &Body, low: DVec3, high: DVec3, cell: f64) -> Triangles {
             let (x, y, z) = (b % blocks[0], b / blocks[0] % blocks[1], b / (blocks[0] * blocks[1]));
             let half = (BLOCK / 2) as f64 * cell;
             let middle = body.distance(place(x * BLOCK, y * BLOCK, z * BLOCK) + DVec3::splat(half));
-            // Twice the half diagonal: the field may grow faster than 1 where ellipsoids are slim.
-            (middle.abs() > 2.0 * half * 3_f64.sqrt()).then_some(middle)
+            // More than the half diagonal: the field may grow faster than 1 where ellipsoids are slim.
+            (middle.abs() > 1.6 * half * 3_f64.sqrt()).then_some(middle)
         })
         .collect();
     let values: Vec<f64> = (0..count[0] * count[1] * count[2])
@@ -309,20 +309,17 @@ impl Work {
             if common != 2 || thin || c == d {
                 continue;
             }
-            // Slivers go in any case, and stay where they are: they sit in creases where the field's gradient jumps.
-            let sliver = self.excess(a, b) < 0.25;
-            let middle = 0.5 * (self.point(a) + self.point(b));
-            let middle = if sliver { middle } else { body.project(middle) };
+            let middle = body.project(0.5 * (self.point(a) + self.point(b)));
             let stays_short = |v: u32, ring: &[u32]| {
                 ring.iter().all(|&w| {
                     w == a || w == b || self.point(w).distance(middle) < 1.4 * 0.5 * (self.wish[v as usize] + self.wish[w as usize])
                 })
             };
-            if !sliver && (!stays_short(a, &ring_a) || !stays_short(b, &ring_b)) {
+            if !stays_short(a, &ring_a) || !stays_short(b, &ring_b) {
                 continue;
             }
             let normal = body.normal(middle);
-            if !sliver && (!self.keeps_sides(a, middle, normal, &[f, g]) || !self.keeps_sides(b, middle, normal, &[f, g])) {
+            if !self.keeps_sides(a, middle, normal, &[f, g]) || !self.keeps_sides(b, middle, normal, &[f, g]) {
                 continue;
             }
             self.replace(f, DEAD);

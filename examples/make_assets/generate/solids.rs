@@ -78,7 +78,7 @@ fn angle_of(x: f64, y: f64) -> f64 {
 }
 
 /// Lifts or lowers a mesh to stand on y = 0.
-fn rest(mut mesh: Triangles) -> Triangles {
+pub(crate) fn rest(mut mesh: Triangles) -> Triangles {
     let low = mesh.positions.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
     for p in &mut mesh.positions {
         p.y -= low;
