@@ -8,7 +8,7 @@ use super::lapped::{FaceLists, LappedTexture, Paste};
 use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::{SurfaceTexture, Texel};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// What is left to see through below this cannot change an 8-bit picture.
 const NOTHING_LEFT: f32 = 1.0 / 512.0;
@@ -47,13 +47,22 @@ impl<'a> Composite<'a> {
         1.0 - clear
     }
 
-    fn add(&self, texel: &mut Texel, weight: f32, (paste, slot): (u32, u32), at: SurfacePoint, footprint: f32) -> f32 {
+    /// Adds what one paste shows; returns its alpha.
+    fn add(
+        &self,
+        texel: &mut Texel,
+        weight: f32,
+        (paste, slot): (u32, u32),
+        ground: &Ground,
+        at: SurfacePoint,
+        footprint: f32,
+    ) -> f32 {
         let paste = &self.lapped.pastes[paste as usize];
         let patch = &self.lapped.patches[paste.patch as usize];
         let exemplar = &self.lapped.exemplars[patch.exemplar as usize];
-        let image = PixelMap::new(self.mesh, at.face, paste, patch, slot);
+        let image = PixelMap::new(paste, patch, slot);
         let pixel = image.pixel(at.bary);
-        let lod = (footprint * image.pixels_per_unit).max(1.0).log2();
+        let lod = (footprint * image.pixels_per_unit(ground.area)).max(1.0).log2();
         let alpha = patch.mask.sample(pixel, lod).x;
         if alpha <= 0.0 {
             return 0.0;
@@ -68,7 +77,7 @@ impl<'a> Composite<'a> {
         if let Some(v) = read(Channel::BaseColor) {
             texel.base_color += share * v;
         }
-        texel.normal += share * read(Channel::Normal).map_or(image.normal, |n| image.to_mesh(n));
+        texel.normal += share * read(Channel::Normal).map_or(ground.normal, |n| image.to_mesh(ground, n));
         texel.height += share * read(Channel::Height).map_or(NEUTRAL.height, |v| v.x);
         texel.roughness += share * read(Channel::Roughness).map_or(NEUTRAL.roughness, |v| v.x);
         texel.metallic += share * read(Channel::Metallic).map_or(NEUTRAL.metallic, |v| v.x);
@@ -98,47 +107,52 @@ pub(super) fn paste_alpha(patches: &[TexturePatch], paste: &Paste, slot: u32, ba
     mask.finest().bilinear(uv * Vec2::new(w as f32, h as f32)).x
 }
 
-/// How a paste's texture lies on one face.
-struct PixelMap {
-    corner: [Vec2; 3],
-    /// Mask pixels per world unit, the mean over directions.
-    pixels_per_unit: f32,
-    /// World directions of texture right and up, and the face's normal; unit vectors.
-    right: Vec3,
-    up: Vec3,
+/// A face in space.
+struct Ground {
+    /// Edges from the first corner to the second and third.
+    edges: [DVec3; 2],
+    /// Twice the area.
+    area: f64,
     normal: Vec3,
 }
 
+impl Ground {
+    fn new(mesh: &Mesh, face: u32) -> Self {
+        let [a, b, c] = mesh.corners(face);
+        let area = (b - a).cross(c - a);
+        Self { edges: [b - a, c - a], area: area.length(), normal: area.normalize_or_zero().as_vec3() }
+    }
+}
+
+/// How a paste's texture lies on one face: mask pixels of its corners.
+struct PixelMap([Vec2; 3]);
+
 impl PixelMap {
-    fn new(mesh: &Mesh, face: u32, paste: &Paste, patch: &TexturePatch, slot: u32) -> Self {
+    fn new(paste: &Paste, patch: &TexturePatch, slot: u32) -> Self {
         let [w, h] = patch.mask.size();
-        let corner = paste.uv[slot as usize].map(|uv| uv * Vec2::new(w as f32, h as f32));
-        let p = mesh.corners(face);
-        let (e1, e2) = (p[1] - p[0], p[2] - p[0]);
-        let (d1, d2) = ((corner[1] - corner[0]).as_dvec2(), (corner[2] - corner[0]).as_dvec2());
-        let det = d1.perp_dot(d2);
-        let area = e1.cross(e2);
-        // World steps of one pixel right and down: the inverse of the map, up to the (irrelevant) size of det.
-        let sign = det.signum();
-        let right = (e1 * d2.y - e2 * d1.y) * sign;
-        let down = (e2 * d1.x - e1 * d2.x) * sign;
-        let ratio = if area.length() > 0.0 { (det.abs() / area.length()).sqrt() } else { 0.0 };
-        Self {
-            corner,
-            pixels_per_unit: ratio as f32,
-            right: right.normalize_or_zero().as_vec3(),
-            up: -down.normalize_or_zero().as_vec3(),
-            normal: area.normalize_or_zero().as_vec3(),
-        }
+        Self(paste.uv[slot as usize].map(|uv| uv * Vec2::new(w as f32, h as f32)))
     }
 
     fn pixel(&self, bary: Vec3) -> Vec2 {
-        self.corner[0] * bary.x + self.corner[1] * bary.y + self.corner[2] * bary.z
+        self.0[0] * bary.x + self.0[1] * bary.y + self.0[2] * bary.z
+    }
+
+    /// Mask pixels per world unit, the mean over directions, on a face of twice the area `area`.
+    fn pixels_per_unit(&self, area: f64) -> f32 {
+        let pixels = (self.0[1] - self.0[0]).perp_dot(self.0[2] - self.0[0]).abs();
+        if area > 0.0 { (f64::from(pixels) / area).sqrt() as f32 } else { 0.0 }
     }
 
     /// A tangent-space normal in the mesh's space.
-    fn to_mesh(&self, n: Vec3) -> Vec3 {
-        (self.right * n.x + self.up * n.y + self.normal * n.z).normalize_or(self.normal)
+    fn to_mesh(&self, ground: &Ground, n: Vec3) -> Vec3 {
+        let (d1, d2) = ((self.0[1] - self.0[0]).as_dvec2(), (self.0[2] - self.0[0]).as_dvec2());
+        // World steps of one pixel right and down: the inverse of the map, up to the (irrelevant) size of its determinant.
+        let sign = d1.perp_dot(d2).signum();
+        let [e1, e2] = ground.edges;
+        let right = (e1 * d2.y - e2 * d1.y) * sign;
+        let down = (e2 * d1.x - e1 * d2.x) * sign;
+        let [right, down] = [right, down].map(|v| v.normalize_or_zero().as_vec3());
+        (right * n.x - down * n.y + ground.normal * n.z).normalize_or(ground.normal)
     }
 }
 
@@ -148,7 +162,8 @@ impl SurfaceTexture for Composite<'_> {
     }
 
     fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
-        let normal = self.mesh.normal(at.face).as_vec3();
+        let ground = Ground::new(self.mesh, at.face);
+        let normal = ground.normal;
         let mut sum = Texel {
             base_color: Vec3::ZERO,
             alpha: 0.0,
@@ -162,7 +177,7 @@ impl SurfaceTexture for Composite<'_> {
         };
         let mut clear = 1.0;
         for &entry in self.lists.of(at.face).iter().rev() {
-            let alpha = self.add(&mut sum, clear, entry, at, footprint);
+            let alpha = self.add(&mut sum, clear, entry, &ground, at, footprint);
             clear *= 1.0 - alpha;
             if clear < NOTHING_LEFT {
                 break;
