@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Cells along one side of the shadow map.
-const CELLS: u32 = 128;
+const CELLS: u32 = 144;
 /// Half the side of the map, as a share of the half diagonal of what stands on it.
 const REACH: f64 = 1.5;
 
@@ -58,6 +58,12 @@ impl GroundShadow {
         Self { middle, axes: [across, down], up, half, hidden }
     }
 
+    /// The up direction it was made for.
+    #[must_use]
+    pub const fn up(&self) -> DVec3 {
+        self.up
+    }
+
     /// The share of the sky, 0 to 1, that is hidden from where a ray meets the ground; 0 if it does not meet it from above.
     #[must_use]
     pub fn along(&self, start: DVec3, direction: DVec3) -> f32 {
@@ -95,8 +101,8 @@ fn hidden_sky(mesh: &Mesh, seen: &Visibility, half: f64, distance: f64) -> Vec<f
             if seen.face(x, y) != NONE
                 && let Some(hit) = seen.hit(mesh, x, y)
             {
-                // In cells; a cell cannot hide more sky from itself than one at about its own size above does.
-                let height = ((hit.depth - distance) / cell).max(0.6) as f32;
+                // In cells. Nearer to the ground than about a cell, the cells' own pattern would show.
+                let height = ((hit.depth - distance) / cell).max(1.2) as f32;
                 occluders.push((x as f32, y as f32, height * height));
             }
         }

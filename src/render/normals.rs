@@ -8,6 +8,28 @@ use crate::mesh::{Mesh, NONE, prev};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+/// The crease angle between [`LEAST_CREASE`] and [`MOST_CREASE`] that suits a mesh: three times the turn of its median edge,
+/// since a coarse model of a smooth body turns at all its edges, a machine part only at its creases.
+#[must_use]
+pub fn crease_angle(mesh: &Mesh) -> f64 {
+    let turn = |(h, &o): (usize, &u32)| {
+        let (f, g) = (h as u32 / 3, o / 3);
+        (o != NONE && f < g).then(|| mesh.normal(f).dot(mesh.normal(g)).clamp(-1.0, 1.0).acos())
+    };
+    let mut turns: Vec<f64> = mesh.opposite.par_iter().enumerate().filter_map(turn).collect();
+    if turns.is_empty() {
+        return LEAST_CREASE;
+    }
+    let middle = turns.len() / 2;
+    let median = *turns.select_nth_unstable_by(middle, f64::total_cmp).1;
+    (3.0 * median).clamp(LEAST_CREASE, MOST_CREASE)
+}
+
+/// Edges that turn less than 40 degrees are never creases.
+pub const LEAST_CREASE: f64 = 40.0 * std::f64::consts::PI / 180.0;
+/// Edges that turn more than 65 degrees always are.
+pub const MOST_CREASE: f64 = 65.0 * std::f64::consts::PI / 180.0;
+
 /// Unit normals at the three corners of each face. `crease` is the largest angle, in radians, that is smoothed over.
 #[must_use]
 pub fn corner_normals(mesh: &Mesh, crease: f64) -> Vec<[Vec3; 3]> {
@@ -80,6 +102,14 @@ mod tests {
         let smooth = corner_normals(&mesh, 3.0);
         assert!(smooth[0][1].y.abs() < 1e-5, "smoothed over, the rim's normal is horizontal");
         assert_eq!(smooth[0][1], smooth[1][2], "and shared");
+    }
+
+    #[test]
+    fn a_coarse_round_body_gets_a_wider_angle_than_a_box() {
+        // Twelve sides turn by 30 degrees each; a fine cone hardly at all but at its rim.
+        assert!(crease_angle(&double_cone(200, 2.0)) <= LEAST_CREASE, "fine");
+        let coarse = double_cone(10, 4.0);
+        assert!(crease_angle(&coarse) > LEAST_CREASE, "coarse: {}", crease_angle(&coarse).to_degrees());
     }
 
     #[test]

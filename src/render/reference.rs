@@ -9,7 +9,7 @@
 use super::RenderError;
 use super::camera::Camera;
 use super::ground::GroundShadow;
-use super::normals::corner_normals;
+use super::normals::{corner_normals, crease_angle};
 use super::occlusion::openness;
 use super::picture::{Picture, to_byte};
 use super::raster::{Grid, Hit, Lens, Visibility};
@@ -20,6 +20,8 @@ use crate::mesh::{Mesh, NONE};
 use crate::surface::{SurfaceTexture, Texel};
 use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
+use std::borrow::Cow;
+use std::sync::OnceLock;
 
 /// The most layers of a translucent mesh that are looked through.
 const MAX_LAYERS: usize = 8;
@@ -46,8 +48,8 @@ pub struct DrawOptions {
     pub lighting: Lighting,
     /// What is behind.
     pub background: Background,
-    /// Edges that turn by more than this, in radians, stay sharp.
-    pub crease: f64,
+    /// Edges that turn by more than this, in radians, stay sharp; `None` chooses by the mesh ([`crease_angle`]).
+    pub crease: Option<f64>,
     /// Colour of the mesh where no texture covers it, linear light.
     pub bare: Vec3,
     /// Whether hollows are darkened by ambient occlusion.
@@ -59,7 +61,7 @@ impl Default for DrawOptions {
         Self {
             lighting: Lighting::studio(),
             background: Background::Studio,
-            crease: 40_f64.to_radians(),
+            crease: None,
             bare: Vec3::new(0.42, 0.40, 0.38),
             occlusion: true,
         }
@@ -74,6 +76,7 @@ pub struct Stage<'a> {
     /// How pictures of it are to look.
     pub options: DrawOptions,
     normals: Vec<[Vec3; 3]>,
+    shadow: OnceLock<GroundShadow>,
 }
 
 /// A picture of a texture on a mesh.
@@ -95,7 +98,8 @@ impl<'a> Stage<'a> {
     /// Makes a mesh ready.
     #[must_use]
     pub fn new(mesh: &'a Mesh, options: &DrawOptions) -> Self {
-        Self { mesh, options: *options, normals: corner_normals(mesh, options.crease) }
+        let crease = options.crease.unwrap_or_else(|| crease_angle(mesh));
+        Self { mesh, options: *options, normals: corner_normals(mesh, crease), shadow: OnceLock::new() }
     }
 
     /// A picture of a texture on what is seen of the mesh.
@@ -118,7 +122,7 @@ impl<'a> Stage<'a> {
             texture,
             lens: Lens::new(camera, grid),
             grid,
-            shadow: (self.options.background == Background::Studio).then(|| GroundShadow::new(self.mesh, camera.world_up)),
+            shadow: (self.options.background == Background::Studio).then(|| self.shadow(camera.world_up)),
             stand: Stand {
                 right: camera.right.as_vec3(),
                 up: camera.up.as_vec3(),
@@ -136,6 +140,12 @@ impl<'a> Stage<'a> {
         });
         picture
     }
+
+    /// The shadow on the ground; kept from picture to picture while up stays the same.
+    fn shadow(&self, up: DVec3) -> Cow<'_, GroundShadow> {
+        let kept = self.shadow.get_or_init(|| GroundShadow::new(self.mesh, up));
+        if kept.up() == up { Cow::Borrowed(kept) } else { Cow::Owned(GroundShadow::new(self.mesh, up)) }
+    }
 }
 
 /// All that the pixels of one picture share.
@@ -145,7 +155,7 @@ struct Frame<'a> {
     lens: Lens<'a>,
     grid: Grid,
     stand: Stand,
-    shadow: Option<GroundShadow>,
+    shadow: Option<Cow<'a, GroundShadow>>,
     open: Vec<f32>,
 }
 
@@ -185,7 +195,7 @@ impl Frame<'_> {
 
     /// Light from a hit towards the eye, and how opaque it is there.
     fn light(&self, hit: &Hit, open: f32) -> (Vec3, f32) {
-        let (mesh, options) = (self.stage.mesh, &self.stage.options);
+        let options = &self.stage.options;
         let texel = self.texture.texel(hit.at, hit.footprint as f32);
         let channels = self.texture.channels();
         let cover = texel.alpha.clamp(0.0, 1.0);
@@ -194,6 +204,7 @@ impl Frame<'_> {
         let known = |channel, value, otherwise| if channels.has(channel) { value } else { otherwise };
         let roughness = known(Channel::Roughness, texel.roughness, PLAIN_ROUGHNESS);
         let occlusion = known(Channel::Occlusion, texel.occlusion, 1.0);
+        let (smooth, normal) = self.normals(hit, &texel, channels.has(Channel::Normal), cover);
         let described = channels.has(Channel::Roughness) || channels.has(Channel::Metallic);
         let surface = Surface {
             base_color: options.bare.lerp(texel.base_color, cover),
@@ -201,7 +212,8 @@ impl Frame<'_> {
             metallic: mix(0.0, known(Channel::Metallic, texel.metallic, 0.0)).clamp(0.0, 1.0),
             reflectance: if described { DIELECTRIC } else { PLAIN },
             occlusion: open * mix(1.0, occlusion).clamp(0.0, 1.0),
-            normal: self.normal(mesh, hit, &texel, channels.has(Channel::Normal), cover),
+            normal,
+            smooth,
             to_eye: hit.to_eye.as_vec3(),
         };
         let light = options.lighting.shade(&surface, &self.stand);
@@ -209,9 +221,9 @@ impl Frame<'_> {
         (light + emitted, opacity)
     }
 
-    /// The shading normal on the viewer's side: smooth over the mesh, with the texture's own relief.
-    fn normal(&self, mesh: &Mesh, hit: &Hit, texel: &Texel, relief: bool, cover: f32) -> Vec3 {
-        let flat = mesh.normal(hit.at.face).as_vec3();
+    /// The smooth normal on the viewer's side, and the same with the texture's own relief.
+    fn normals(&self, hit: &Hit, texel: &Texel, relief: bool, cover: f32) -> (Vec3, Vec3) {
+        let flat = self.stage.mesh.normal(hit.at.face).as_vec3();
         let corner = self.stage.normals[hit.at.face as usize];
         let bary = hit.at.bary;
         let smooth = (corner[0] * bary.x + corner[1] * bary.y + corner[2] * bary.z).normalize_or(flat);
@@ -221,7 +233,7 @@ impl Frame<'_> {
         } else {
             smooth
         };
-        if hit.front { own } else { -own }
+        if hit.front { (smooth, own) } else { (-smooth, -own) }
     }
 
     /// Displayed light and opacity of what is behind the mesh at a pixel.

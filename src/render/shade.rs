@@ -57,8 +57,10 @@ pub struct Surface {
     pub reflectance: f32,
     /// How open the point is to light from all around, 0 to 1.
     pub occlusion: f32,
-    /// Unit normal, world space, on the viewer's side.
+    /// Unit normal with the texture's relief, world space, on the viewer's side.
     pub normal: Vec3,
+    /// Unit normal without relief: nothing is mirrored from below it.
+    pub smooth: Vec3,
     /// Unit vector to the eye, world space.
     pub to_eye: Vec3,
 }
@@ -146,7 +148,7 @@ impl Lighting {
     /// Linear light towards the eye, emission apart, before the tone curve.
     #[must_use]
     pub fn shade(&self, surface: &Surface, stand: &Stand) -> Vec3 {
-        let Surface { base_color, roughness, metallic, reflectance, occlusion, normal, to_eye } = *surface;
+        let Surface { base_color, roughness, metallic, reflectance, occlusion, normal, smooth, to_eye } = *surface;
         let facing = normal.dot(to_eye).clamp(1e-3, 1.0);
         let grazing = (1.0 - facing).powi(5);
         let mirrored_by = |at_normal: Vec3| at_normal + (Vec3::splat(1.0 - roughness).max(at_normal) - at_normal) * grazing;
@@ -158,13 +160,15 @@ impl Lighting {
         let mut light = base_color * (1.0 - metallic) * (Vec3::ONE - glaze) * self.diffuse(normal, stand, occlusion);
 
         let reflected = 2.0 * normal.dot(to_eye) * normal - to_eye;
-        light += mirrored * self.ambient(reflected.dot(stand.world_up), roughness) * occlusion;
+        // Relief that leans away from the eye mirrors the surface itself.
+        let above = (1.0 + reflected.dot(smooth)).clamp(0.0, 1.0);
+        light += mirrored * self.ambient(reflected.dot(stand.world_up), roughness) * (occlusion * above * above);
 
         let alpha = (roughness * roughness + LAMP_SIZE).min(1.0);
         for lamp in &self.lamps {
             let towards = stand.turn(lamp.towards);
             let lit = normal.dot(towards);
-            if lit > 0.0 {
+            if lit > 0.0 && smooth.dot(towards) > 0.0 {
                 let half = (towards + to_eye).normalize_or_zero();
                 let fresnel = at_normal + (Vec3::ONE - at_normal) * (1.0 - half.dot(to_eye).clamp(0.0, 1.0)).powi(5);
                 // A lamp's light is its irradiance over pi.
@@ -220,7 +224,16 @@ mod tests {
     const LEVEL: Stand = Stand { right: Vec3::X, up: Vec3::Y, back: Vec3::Z, world_up: Vec3::Y };
 
     fn surface(base_color: Vec3, normal: Vec3) -> Surface {
-        Surface { base_color, roughness: 0.7, metallic: 0.0, reflectance: PLAIN, occlusion: 1.0, normal, to_eye: Vec3::Z }
+        Surface {
+            base_color,
+            roughness: 0.7,
+            metallic: 0.0,
+            reflectance: PLAIN,
+            occlusion: 1.0,
+            normal,
+            smooth: normal,
+            to_eye: Vec3::Z,
+        }
     }
 
     #[test]

@@ -67,15 +67,8 @@ pub(crate) fn moved(mesh: &Mesh, place: impl Fn(DVec3) -> DVec3) -> Mesh {
 pub(crate) fn corpus(name: &str) -> Option<Mesh> {
     let folder = std::env::var("LAPPED_CORPUS").ok()?;
     let path = std::path::Path::new(&folder).join("meshes").join(name);
-    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-    let (models, _) = tobj::load_obj(&path, &options).unwrap();
-    let (mut positions, mut faces) = (Vec::new(), Vec::new());
-    for model in models {
-        let base = positions.len() as u32;
-        positions.extend(model.mesh.positions.as_chunks::<3>().0.iter().map(|&p| Vec3::from(p)));
-        faces.extend(model.mesh.indices.as_chunks::<3>().0.iter().map(|f| f.map(|v| base + v)));
-    }
-    Some(clean(&positions, &faces, &CleanOptions::default()).unwrap().mesh)
+    let model = lapped::format::read_model(&path).unwrap();
+    Some(clean(&model.positions, &model.faces, &CleanOptions::default()).unwrap().mesh)
 }
 
 /// A texture from a function of the surface point.

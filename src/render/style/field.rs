@@ -49,7 +49,7 @@ impl<'a> Arrows<'a> {
     fn flow(&self, seen: &Visibility, lens: &Lens, at: Vec2) -> Option<(Vec2, Hit)> {
         let n = seen.grid().samples as f32;
         let sample = (at * n).floor();
-        if !(sample.min_element() >= 0.0) {
+        if !sample.is_finite() || sample.min_element() < 0.0 {
             return None;
         }
         let hit = seen.hit(self.mesh, sample.x as usize, sample.y as usize)?;
@@ -63,33 +63,37 @@ impl<'a> Arrows<'a> {
         Some((along.as_vec2(), hit))
     }
 
-    /// The curve through a place, a given length along the field at each side of it, in pixels.
+    /// The curve through a place from `half` pixels before it to as many after it, along the field.
     fn trace(&self, seen: &Visibility, lens: &Lens, at: Vec2, half: f32) -> Vec<Vec2> {
-        let mut curve = vec![at];
-        for sign in [-1.0, 1.0] {
-            let (mut here, mut left) = (at, half);
-            let mut last: Option<(Vec2, Hit)> = None;
-            while left > 0.0 {
-                let Some((along, hit)) = self.flow(seen, lens, here) else { break };
-                // Over a silhouette or a jump of the field an arrow ends.
-                let broken = last.is_some_and(|(before, old)| {
-                    before.dot(along) < 0.3 * before.length() * along.length() || (old.depth - hit.depth).abs() > 0.03 * self.size
-                });
-                let length = along.length();
-                if broken || length < 0.05 {
-                    break;
-                }
-                /// Pixels of one step.
-                const STEP: f32 = 1.5;
-                let step = STEP.min(left);
-                here += along * (sign * step);
-                left -= step;
-                last = Some((along, hit));
-                curve.push(here);
+        let mut curve = self.walk(seen, lens, at, half, -1.0);
+        curve.reverse();
+        curve.push(at);
+        curve.extend(self.walk(seen, lens, at, half, 1.0));
+        curve
+    }
+
+    /// The points after `at` on the way along the field (`sign` 1) or against it (-1).
+    fn walk(&self, seen: &Visibility, lens: &Lens, at: Vec2, length: f32, sign: f32) -> Vec<Vec2> {
+        /// Pixels of one step.
+        const STEP: f32 = 1.5;
+        let mut curve = Vec::new();
+        let (mut here, mut left) = (at, length);
+        let mut last: Option<(Vec2, Hit)> = None;
+        while left > 0.0 {
+            let Some((along, hit)) = self.flow(seen, lens, here) else { break };
+            // Over a silhouette or a jump of the field an arrow ends.
+            let broken = last.is_some_and(|(before, old)| {
+                before.dot(along) < 0.3 * before.length() * along.length() || (old.depth - hit.depth).abs() > 0.03 * self.size
+            });
+            if broken || along.length() < 0.05 {
+                break;
             }
-            curve.reverse();
+            let step = STEP.min(left);
+            here += along * (sign * step);
+            left -= step;
+            last = Some((along, hit));
+            curve.push(here);
         }
-        // Reversed twice: from the tail over the middle to the tip.
         curve
     }
 
@@ -117,7 +121,7 @@ impl<'a> Arrows<'a> {
     fn seen_at(&self, seen: &Visibility, lens: &Lens, vertex: u32) -> Option<Vec2> {
         let view = seen.camera().to_view(self.mesh.point(vertex));
         let sample = lens.project(view);
-        if view.z < seen.camera().near || !(sample.min_element() >= 0.0) {
+        if view.z < seen.camera().near || !sample.is_finite() || sample.min_element() < 0.0 {
             return None;
         }
         let (x, y) = (sample.x as usize, sample.y as usize);
@@ -166,6 +170,49 @@ impl Show for Arrows<'_> {
                 ring.widened(0.08 * spacing).draw(picture, Vec3::ONE, 0.8);
                 ring.draw(picture, if singular.index > 0 { POLE } else { SADDLE }, 1.0);
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::camera::View;
+    use super::super::super::raster::Grid;
+    use super::*;
+    use crate::mesh::shapes;
+    use glam::DVec3;
+
+    #[test]
+    fn arrows_point_where_the_texture_is_up() {
+        let mesh = shapes::uneven_square(6);
+        for up in [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::new(-0.6, 0.8, 0.0)] {
+            let field = TangentField { up: vec![up * 0.1; mesh.face_count()], right: None };
+            let arrows = Arrows::new(&mesh, &field);
+            let grid = Grid { width: 100, height: 100, samples: 2 };
+            let camera = View::degrees(0.0, 0.0).frame(&mesh, 1.0);
+            let seen = Visibility::new(&mesh, &camera, grid).unwrap();
+            let curve = arrows.trace(&seen, &Lens::new(&camera, grid), Vec2::splat(50.0), 10.0);
+            let way = curve[curve.len() - 1] - curve[0];
+            let expected = Vec2::new(up.x, -up.y) * 20.0;
+            assert!((way - expected).length() < 0.5, "up {up}: the arrow leads along {way}");
+        }
+    }
+
+    #[test]
+    fn the_poles_of_a_global_up_are_marked() {
+        let mesh = shapes::sphere(3);
+        let up = (0..mesh.face_count() as u32).map(|f| (DVec3::Y - mesh.normal(f) * mesh.normal(f).y).as_vec3()).collect();
+        let field = TangentField { up, right: None };
+        let arrows = Arrows::new(&mesh, &field);
+        let grid = Grid { width: 200, height: 200, samples: 1 };
+        for (pitch, marked) in [(90.0, true), (-90.0, true), (0.0, false)] {
+            let camera = View::degrees(0.0, pitch).frame(&mesh, 1.0);
+            let seen = Visibility::new(&mesh, &camera, grid).unwrap();
+            let mut picture = Picture::filled(200, 200, [255; 4]);
+            arrows.overlay(&seen, &mut picture);
+            let red = |x, y| picture.pixel(x, y)[0] > 180 && picture.pixel(x, y)[1] < 90;
+            let near = (90..110).any(|y| (90..110).any(|x| red(x, y)));
+            assert_eq!(near, marked, "a red ring in the middle seen from pitch {pitch}");
         }
     }
 }

@@ -75,7 +75,8 @@ fn worst((s, t): (DVec3, DVec3), [a, b, c]: [DVec3; 3], [p, q, r]: [DVec2; 3]) -
     let map = DMat2::from_cols(q - p, r - p) * sides;
     let (determinant, squares) = (map.determinant(), map.x_axis.length_squared() + map.y_axis.length_squared());
     // The basis is right-handed seen from outside only if S x T points outward.
-    if !(determinant * s.cross(t).dot(u.cross(v)) > 0.0) {
+    let upright = determinant * s.cross(t).dot(u.cross(v));
+    if upright.is_nan() || upright <= 0.0 {
         return f32::NAN;
     }
     let determinant = determinant.abs();
@@ -111,7 +112,7 @@ impl Show for Stretch<'_> {
             })
             .collect();
         entries.push((palette::ALARM, "flipped".to_owned()));
-        Some(Legend { title: "texture per asked length", entries })
+        Some(Legend { title: "texture density, 1 as asked", entries })
     }
 }
 
