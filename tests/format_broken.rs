@@ -1,5 +1,7 @@
 //! Whatever is wrong with a file ends in one sentence that names the file, what is wrong, where, and what to do.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
+
 use lapped::format::{FormatError, read_exemplar, read_mask, read_model, read_model_bytes, read_record, save_image, write_record};
 use std::path::Path;
 

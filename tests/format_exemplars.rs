@@ -1,5 +1,7 @@
 //! Images and material sets as exemplars: every format, depth and kind of pixel, on files that use it.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
+
 use glam::Vec3;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageFormat};
 use lapped::exemplar::{Channel, Exemplar, Image};

@@ -1,5 +1,7 @@
 //! Every feature of the mesh formats that is promised, each on a file that uses it.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
+
 use glam::{Vec2, Vec3, Vec4};
 use lapped::format::{FaceGroup, Model, read_model_bytes};
 use serde_json::{Value, json};

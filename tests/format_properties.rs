@@ -1,5 +1,7 @@
 //! No bytes whatever make a reader panic or ask for more memory than the bytes are worth. Whatever it accepts is sound.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
+
 use lapped::format::record::read_record_bytes;
 use lapped::format::{ExemplarOptions, Model, read_exemplar, read_model_bytes};
 use proptest::prelude::*;

@@ -1,5 +1,7 @@
 //! Lapped-texture records: what is written comes back, and nothing that contradicts itself is taken.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
+
 use glam::{Vec2, Vec3, Vec4};
 use lapped::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wrap};
 use lapped::format::{FaceGroup, Model, Record, read_model, read_record, write_record};

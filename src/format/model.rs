@@ -4,9 +4,9 @@ use super::error::Problem;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
-/// The most faces a file may unfold to. Files that instance one mesh many times are small and become large; beyond this
-/// no machine the rest of the pipeline runs on has the memory.
-pub(crate) const MAX_MODEL_FACES: usize = 200_000_000;
+/// The most faces or vertices a file may unfold to: files that instance one mesh many times are small and become large.
+/// Pasting needs about 1 KB a face, so hardly a machine could go on with more.
+pub(crate) const MAX_MODEL_FACES: usize = 50_000_000;
 
 /// What a mesh file holds, in world coordinates.
 ///

@@ -16,8 +16,8 @@ use std::path::Path;
 const MOST_PIXELS_ACROSS: u32 = 32_768;
 /// Most pixels of an image: 8192 x 8192, which as floats with their mip levels are 1 GiB a colour channel.
 const MOST_PIXELS: u64 = 1 << 26;
-/// Most bytes a decoder may allocate; four 16-bit components of the largest image.
-const MOST_BYTES: u64 = 8 * MOST_PIXELS;
+/// Most bytes a decoder may allocate: four floats a pixel of the largest image, and its own needs.
+const MOST_BYTES: u64 = 20 * MOST_PIXELS;
 
 /// How the numbers of a file stand for those of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -81,7 +81,7 @@ pub(crate) fn decode(file: &[u8], format: Option<ImageFormat>, transfer: Transfe
     let mut decoder = reader.into_decoder().map_err(|e| explain(&e))?;
     let (width, height) = decoder.dimensions();
     if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        return Err(too_large(&format!("{width} x {height} pixels")));
+        return Err(too_large(&format!("has {width} x {height}")));
     }
     if width == 0 || height == 0 {
         return Err(Problem::damaged("", "the image has no pixels"));
@@ -97,14 +97,15 @@ pub(crate) fn decode(file: &[u8], format: Option<ImageFormat>, transfer: Transfe
 
 fn explain(error: &image::ImageError) -> Problem {
     match error {
-        image::ImageError::Limits(_) => too_large("larger than that"),
+        image::ImageError::Limits(_) => too_large("is larger"),
         image::ImageError::Unsupported(e) => Problem::new("", e.to_string(), "save it as PNG, 8 or 16 bit"),
         _ => Problem::damaged("", format!("the image cannot be decoded ({error})")),
     }
 }
 
-fn too_large(size: &str) -> Problem {
-    let what = format!("images of up to {MOST_PIXELS_ACROSS} pixels across and {MOST_PIXELS} pixels are read, this one has {size}");
+fn too_large(this_one: &str) -> Problem {
+    let most = MOST_PIXELS >> 20;
+    let what = format!("images of up to {MOST_PIXELS_ACROSS} pixels across and {most} megapixels are read, this one {this_one}");
     Problem::new("", what, "scale it down")
 }
 

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 /// Elements without bytes of their own are zeros (sparse accessors may replace some). More than this are refused,
 /// because a few bytes of file could ask for any amount of memory.
-const MOST_IMPLICIT: u64 = 1 << 24;
+const MOST_IMPLICIT: u64 = 1 << 22;
 
 /// A document with its buffers.
 #[derive(Debug)]
