@@ -1,7 +1,7 @@
 //! Reading and writing: meshes ([`read_model`]), exemplars, images, and the lapped-texture record.
 //!
 //! What a file is gets decided by its content first and its name second. Meshes come out as a [`Model`], which is what the
-//! file holds and nothing more; [`crate::mesh::clean`] makes a mesh of it. Readers allocate in proportion to the bytes they
+//! file holds and nothing more; [`crate::mesh::clean()`] makes a mesh of it. Readers allocate in proportion to the bytes they
 //! are given, never to a number that a file declares. Everything is written to a temporary file first and then renamed.
 
 mod corners;
