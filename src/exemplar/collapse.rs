@@ -257,3 +257,114 @@ pub(super) fn segments_touch([a, b]: [DVec2; 2], [p, q]: [DVec2; 2], clearance: 
         || segment_distance(p, a, b) <= clearance
         || segment_distance(q, a, b) <= clearance
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Ring, segments_touch, signed_area, simplify};
+    use glam::{DVec2, dvec2};
+
+    /// Collapses one edge and returns the polygon and the added area that was told.
+    fn collapse(points: &[DVec2], edge: u32) -> (Vec<DVec2>, f64) {
+        let mut ring = Ring::new(points.to_vec());
+        let collapse = ring.collapse(edge).expect("this edge can go");
+        ring.apply(edge, collapse.at);
+        (ring.points(), collapse.area)
+    }
+
+    fn check(points: &[DVec2], edge: u32, expected: &[DVec2]) {
+        let (found, told) = collapse(points, edge);
+        assert_eq!(found.len(), expected.len(), "one vertex fewer: {found:?}");
+        for (found, expected) in found.iter().zip(expected) {
+            assert!(found.distance(*expected) < 1e-12, "{found} where {expected} should be");
+        }
+        let added = signed_area(&found) - signed_area(points);
+        assert!(added >= 0.0 && (added - told).abs() < 1e-12, "area grew by {added}, told was {told}");
+    }
+
+    #[test]
+    fn both_ends_convex_extends_the_outer_edges() {
+        // A square with a cut corner gets its corner back.
+        let points = [dvec2(0.0, 0.0), dvec2(4.0, 0.0), dvec2(4.0, 3.0), dvec2(3.0, 4.0), dvec2(0.0, 4.0)];
+        check(&points, 2, &[dvec2(0.0, 0.0), dvec2(4.0, 0.0), dvec2(4.0, 4.0), dvec2(0.0, 4.0)]);
+    }
+
+    #[test]
+    fn convex_and_concave_extends_to_the_edge_beyond() {
+        // A step: the edge at its convex end runs on until it meets the riser, whose foot (the concave end) goes.
+        let step = [dvec2(0.0, 0.0), dvec2(6.0, 0.0), dvec2(5.0, 2.0), dvec2(6.0, 3.0), dvec2(4.5, 5.0), dvec2(0.0, 5.0)];
+        let (found, told) = collapse(&step, 1);
+        // Edge 1 runs from (6, 0), convex, to (5, 2), concave: its predecessor y = 0 never meets x - y = 3 beyond (5, 2).
+        assert_eq!(found, [step[0], step[1], step[3], step[4], step[5]], "the concave vertex is dropped");
+        assert!((told - 1.5).abs() < 1e-12, "by its triangle: {told}");
+        let zigzag = [dvec2(0.0, 0.0), dvec2(4.0, 0.0), dvec2(5.0, 1.0), dvec2(4.0, 2.0), dvec2(8.0, 6.0), dvec2(0.0, 6.0)];
+        // Edge 2 from (5, 1), convex, to (4, 2), concave: x - y = 4 and x - y = 2 are parallel, so again a drop.
+        check(&zigzag, 2, &[zigzag[0], zigzag[1], zigzag[2], zigzag[4], zigzag[5]]);
+        let meets = [dvec2(0.0, 0.0), dvec2(4.0, 0.0), dvec2(4.0, 1.0), dvec2(3.0, 2.0), dvec2(7.0, 4.0), dvec2(0.0, 4.0)];
+        // From (4, 1), convex, to (3, 2), concave: x = 4 meets the edge from (3, 2) to (7, 4) at (4, 2.5).
+        check(&meets, 2, &[meets[0], meets[1], dvec2(4.0, 2.5), meets[4], meets[5]]);
+        // The same seen in a mirror, where the concave end comes first.
+        let mirrored: Vec<DVec2> = meets.iter().rev().map(|p| dvec2(7.0 - p.x, p.y)).collect();
+        check(&mirrored, 2, &[mirrored[0], mirrored[1], dvec2(3.0, 2.5), mirrored[4], mirrored[5]]);
+    }
+
+    #[test]
+    fn both_ends_concave_drops_the_cheaper_vertex() {
+        let dent = [dvec2(0.0, 0.0), dvec2(9.0, 0.0), dvec2(9.0, 5.0), dvec2(6.0, 4.0), dvec2(2.0, 3.0), dvec2(0.0, 5.0)];
+        // Triangles at (6, 4): 0.5; at (2, 3): 5.
+        check(&dent, 3, &[dent[0], dent[1], dent[2], dent[4], dent[5]]);
+    }
+
+    #[test]
+    fn a_collapse_through_another_part_is_refused() {
+        // A C whose mouth is closed by a tongue from its own end: extending the cut corner would run into the tongue.
+        let points = vec![
+            dvec2(0.0, 0.0),
+            dvec2(10.0, 0.0),
+            dvec2(10.0, 6.0),
+            dvec2(5.4, 6.0),
+            dvec2(5.0, 4.8),
+            dvec2(4.6, 6.0),
+            dvec2(4.6, 4.0),
+            dvec2(8.0, 4.0),
+            dvec2(8.0, 2.0),
+            dvec2(2.0, 2.0),
+            dvec2(2.0, 6.0),
+            dvec2(0.0, 6.0),
+        ];
+        assert!(simple(&points), "the polygon to begin with is simple");
+        let found = simplify(points.clone(), f64::INFINITY, 3, 3);
+        assert!(simple(&found), "and stays so: {found:?}");
+        assert!(signed_area(&found) >= signed_area(&points), "without loss");
+    }
+
+    #[test]
+    fn straight_corners_go_for_nothing() {
+        let points: Vec<DVec2> = [[0, 0], [1, 0], [2, 0], [3, 0], [3, 1], [3, 3], [1, 3], [0, 3], [0, 1]]
+            .iter()
+            .map(|&[x, y]| dvec2(f64::from(x), f64::from(y)))
+            .collect();
+        let found = simplify(points, 1.0, 100, 200);
+        assert_eq!(found.len(), 4, "four corners remain even far below the vertices allowed: {found:?}");
+        assert_eq!(signed_area(&found), 9.0, "the square");
+    }
+
+    #[test]
+    fn segments_touch_in_points_lines_and_clearance() {
+        let touch = |a: [f64; 4], b: [f64; 4], clearance| {
+            let segment = |s: [f64; 4]| [dvec2(s[0], s[1]), dvec2(s[2], s[3])];
+            segments_touch(segment(a), segment(b), clearance)
+        };
+        assert!(touch([0.0, 0.0, 2.0, 2.0], [0.0, 2.0, 2.0, 0.0], 0.0), "crossing");
+        assert!(touch([0.0, 0.0, 2.0, 0.0], [1.0, 0.0, 1.0, 5.0], 0.0), "an end on the other");
+        assert!(touch([0.0, 0.0, 2.0, 0.0], [1.0, 0.0, 3.0, 0.0], 0.0), "overlapping on one line");
+        assert!(!touch([0.0, 0.0, 2.0, 0.0], [3.0, 0.0, 4.0, 0.0], 0.0), "apart on one line");
+        assert!(!touch([0.0, 0.0, 2.0, 0.0], [0.0, 1.0, 2.0, 1.0], 0.5), "parallel, farther than the clearance");
+        assert!(touch([0.0, 0.0, 2.0, 0.0], [0.0, 1.0, 2.0, 1.0], 1.5), "parallel, within the clearance");
+    }
+
+    fn simple(points: &[DVec2]) -> bool {
+        let n = points.len();
+        let side = |i: usize| [points[i], points[(i + 1) % n]];
+        (0..n).all(|i| (i + 2..n).all(|j| (j + 1) % n == i || !segments_touch(side(i), side(j), 0.0)))
+    }
+}

@@ -22,6 +22,8 @@ use std::f32::consts::FRAC_1_SQRT_2;
 pub const ERODED_RADII: [f32; 5] = [0.75, 1.5, 3.0, 6.0, 12.0];
 /// Lattice points per pixel with which each is found: what the lattice overshoots the region is lost as opaque area.
 const LATTICE: [i32; 5] = [4, 4, 2, 1, 1];
+/// Pixels of 0 around alpha while it is eroded: more than any region reaches.
+const PADDING: usize = 16;
 /// Steps per pixel of stored depths.
 const DEPTH_STEPS: f32 = 16.0;
 /// Alpha in 8 bits from which a point is opaque.
@@ -64,7 +66,12 @@ impl CoverageMask {
             })
             .collect();
         let depth = depths(&alpha, w);
-        let regions: Vec<Region> = ERODED_RADII.iter().zip(LATTICE).map(|(&r, q)| Region::new(r, q)).collect();
+        let padded = w + 2 * PADDING;
+        let mut surrounded = vec![0; padded * (h + 2 * PADDING)];
+        for (y, row) in alpha.chunks_exact(w).enumerate() {
+            surrounded[(y + PADDING) * padded + PADDING..][..w].copy_from_slice(row);
+        }
+        let regions: Vec<Region> = ERODED_RADII.iter().zip(LATTICE).map(|(&r, q)| Region::new(r, q, padded)).collect();
         let cell = |i: usize| {
             let mut cell = Cell { depth: depth[i], alpha: alpha[i], ..Cell::default() };
             for (eroded, region) in cell.eroded.iter_mut().zip(&regions) {
@@ -73,7 +80,7 @@ impl CoverageMask {
                 } else if cell.depth < 0 {
                     0
                 } else {
-                    region.minimum(&alpha, w, i)
+                    region.minimum(&surrounded, (i / w + PADDING) * padded + i % w + PADDING)
                 };
                 if *eroded == 0 {
                     break;
@@ -134,8 +141,8 @@ impl CoverageMask {
     #[must_use]
     pub fn alpha(&self, at: Vec2) -> f32 {
         let p = at - 0.5;
-        // Between the first and the last pixel centres; further out the border is transparent.
-        if !(p.cmpge(Vec2::ZERO).all() && p.cmplt(self.size - 1.0).all()) {
+        // Nothing is left of alpha at the centres of border pixels.
+        if !(p.cmpge(Vec2::ZERO) & p.cmplt(self.size - 1.0)).all() {
             return 0.0;
         }
         let (x, y) = (p.x as u32, p.y as u32);
@@ -151,22 +158,24 @@ impl CoverageMask {
 /// The depth of each cell in steps; see [`CoverageMask::depth`].
 fn depths(alpha: &[u8], width: usize) -> Vec<i16> {
     // A square between four pixel centres holds points without a property if one of its corners is without; the point of
-    // it nearest to another pixel centre is a corner, so distances to the corners of such squares are exact.
-    let to_squares_with = |has: &dyn Fn(u8) -> bool| {
-        let mut corners = vec![false; alpha.len()];
-        for i in (0..alpha.len()).filter(|&i| has(alpha[i])) {
-            let (x, y) = (i % width, i / width);
-            for ny in y.saturating_sub(1)..=(y + 1).min(alpha.len() / width - 1) {
-                corners[ny * width + x.saturating_sub(1)..=ny * width + (x + 1).min(width - 1)].fill(true);
-            }
+    // it nearest to another pixel centre is a corner, so distances to the corners of such squares are exact. These corners
+    // are the pixels with such a pixel among their eight neighbours and themselves.
+    let rows: Vec<&[u8]> = alpha.chunks_exact(width).collect();
+    let (mut below, mut touched) = (vec![false; alpha.len()], vec![false; alpha.len()]);
+    below.par_chunks_mut(width).zip(touched.par_chunks_mut(width)).enumerate().for_each(|(y, (below, touched))| {
+        let (above, here, under) = (rows[y.saturating_sub(1)], rows[y], rows[(y + 1).min(rows.len() - 1)]);
+        let least: Vec<u8> = (0..width).map(|x| above[x].min(here[x]).min(under[x])).collect();
+        let most: Vec<u8> = (0..width).map(|x| above[x].max(here[x]).max(under[x])).collect();
+        for x in 0..width {
+            let (left, right) = (x.saturating_sub(1), (x + 1).min(width - 1));
+            below[x] = least[left].min(least[x]).min(least[right]) < OPAQUE_BYTE;
+            touched[x] = most[left].max(most[x]).max(most[right]) > 0;
         }
-        squared_distance(&corners, width)
-    };
+    });
     // Casts saturate: no depth is told beyond what 16 bits hold.
     let steps = |squared: f32| ((squared.sqrt() - FRAC_1_SQRT_2) * (1.0 - 1e-6) * DEPTH_STEPS).max(0.0) as i16;
-    let below = to_squares_with(&|a| a < OPAQUE_BYTE);
-    let touched = to_squares_with(&|a| a > 0);
-    below.iter().zip(&touched).map(|(&below, &touched)| if below > 0.0 { steps(below) } else { -steps(touched) }).collect()
+    let (below, touched) = (squared_distance(&below, width), squared_distance(&touched, width));
+    below.par_iter().zip(&touched).map(|(&below, &touched)| if below > 0.0 { steps(below) } else { -steps(touched) }).collect()
 }
 
 /// The lattice points whose squares cover a cell and all points within a radius of it.
@@ -174,45 +183,45 @@ struct Region {
     radius: f32,
     /// Lattice points per pixel.
     per_pixel: i32,
-    /// Relative to the cell's pixel: the pixel left and above the lattice point, and the lattice steps from its centre.
-    points: Vec<[i32; 4]>,
+    /// Relative to the cell's pixel: the index of the pixel left and above the point, and the point's bilinear weights for
+    /// it and its neighbours right, below and both, in units of `per_pixel` to the power of -2.
+    points: Vec<(isize, [i32; 4])>,
+    width: usize,
 }
 
 impl Region {
-    fn new(radius: f32, per_pixel: i32) -> Self {
-        let step = 1.0 / per_pixel as f32;
+    fn new(radius: f32, per_pixel: i32, width: usize) -> Self {
+        let (q, step) = (per_pixel, 1.0 / per_pixel as f32);
         // A point matters if a square that it is a corner of comes closer to the cell than the radius.
         let gap = |k: i32| (k.abs() as f32 * step - step - 0.5).max(0.0);
-        let reach = ((radius + 0.5 + step) * per_pixel as f32).ceil() as i32;
+        let reach = ((radius + 0.5 + step) * q as f32).ceil() as i32;
         let mut points: Vec<[i32; 2]> = (-reach..=reach)
             .flat_map(|y| (-reach..=reach).map(move |x| [x, y]))
             .filter(|&[x, y]| gap(x).hypot(gap(y)) < radius)
             .collect();
         // From outside in: where alpha falls off, 0 is found at once.
         points.sort_by_key(|[x, y]| -(x * x + y * y));
-        let split =
-            |[x, y]: [i32; 2]| [x.div_euclid(per_pixel), y.div_euclid(per_pixel), x.rem_euclid(per_pixel), y.rem_euclid(per_pixel)];
-        Self { radius, per_pixel, points: points.into_iter().map(split).collect() }
+        let prepared = |[x, y]: [i32; 2]| {
+            let (fx, fy) = (x.rem_euclid(q), y.rem_euclid(q));
+            let offset = y.div_euclid(q) as isize * width as isize + x.div_euclid(q) as isize;
+            (offset, [(q - fx) * (q - fy), fx * (q - fy), (q - fx) * fy, fx * fy])
+        };
+        Self { radius, per_pixel, points: points.into_iter().map(prepared).collect(), width }
     }
 
-    /// The minimum of alpha over the lattice points around pixel `i`, rounded down.
-    fn minimum(&self, alpha: &[u8], width: usize, i: usize) -> u8 {
-        let (x, y) = ((i % width) as i32, (i / width) as i32);
-        let (w, h) = (width as i32, (alpha.len() / width) as i32);
-        let at = |x: i32, y: i32| {
-            if (0..w).contains(&x) && (0..h).contains(&y) { i32::from(alpha[(y * w + x) as usize]) } else { 0 }
-        };
-        let q = self.per_pixel;
-        let mut least = 255 * q * q;
-        for &[dx, dy, fx, fy] in &self.points {
-            let (x, y) = (x + dx, y + dy);
-            let top = (q - fx) * at(x, y) + fx * at(x + 1, y);
-            let bottom = (q - fx) * at(x, y + 1) + fx * at(x + 1, y + 1);
-            least = least.min((q - fy) * top + fy * bottom);
+    /// The minimum of alpha over the lattice points around pixel `i` of padded alpha, rounded down.
+    fn minimum(&self, alpha: &[u8], i: usize) -> u8 {
+        let one = self.per_pixel * self.per_pixel;
+        let mut least = 255 * one;
+        for &(offset, weights) in &self.points {
+            let first = i.wrapping_add_signed(offset);
+            let below = first + self.width;
+            let corners = [alpha[first], alpha[first + 1], alpha[below], alpha[below + 1]];
+            least = least.min(corners.iter().zip(weights).map(|(&a, w)| i32::from(a) * w).sum());
             if least == 0 {
                 break;
             }
         }
-        (least / (q * q)) as u8
+        (least / one) as u8
     }
 }

@@ -139,3 +139,70 @@ impl Level {
         if weight > 0.0 { (value / weight, weight) } else { (Vec3::ZERO, 0.0) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{extend, extend_exemplar};
+    use crate::exemplar::{Channel, Exemplar, Image};
+    use crate::random::Random;
+    use glam::{Vec2, Vec3};
+
+    fn disc(w: u32, h: u32) -> Image {
+        Image::grey_from_fn(w, h, |x, y| {
+            let d = Vec2::new(x as f32, y as f32).distance(Vec2::new(w as f32, h as f32) * 0.4);
+            (w.min(h) as f32 * 0.3 - d).clamp(0.0, 1.0)
+        })
+    }
+
+    #[test]
+    fn opaque_pixels_stay_and_all_others_come_from_them() {
+        let mut random = Random::new(3, 3);
+        for (w, h) in [(64, 64), (33, 70), (101, 7)] {
+            let opacity = disc(w, h);
+            // Blue is background only: it must vanish where nothing is opaque.
+            let image = Image::from_fn(w, h, |x, y| {
+                let solid = opacity.grey(x.into(), y.into()) > 0.0;
+                if solid { Vec3::new(random.unit() as f32 * 0.5 + 0.5, 0.25, 0.0) } else { Vec3::Z }
+            });
+            let extended = extend(&image, &opacity);
+            for (i, &o) in opacity.data().iter().enumerate() {
+                let (x, y) = (i as i64 % i64::from(w), i as i64 / i64::from(w));
+                let (before, after) = (image.pixel(x, y), extended.pixel(x, y));
+                assert!(o < 1.0 || before == after, "opaque pixel {x}, {y} changed from {before} to {after}");
+                assert!(after.z.abs() < 1e-6 && (after.y - 0.25).abs() < 1e-5, "background at {x}, {y}: {after}");
+                assert!((0.5 - 1e-5..=1.0 + 1e-5).contains(&after.x), "out of the opaque range at {x}, {y}: {after}");
+            }
+        }
+    }
+
+    #[test]
+    fn all_channels_are_extended_and_normals_stay_unit() {
+        let opacity = disc(48, 48);
+        let solid = |x: u32, y: u32| opacity.grey(x.into(), y.into()) > 0.0;
+        let base = Image::from_fn(48, 48, |x, y| if solid(x, y) { Vec3::X } else { Vec3::ZERO });
+        let mut exemplar = Exemplar::new("leaf", base);
+        let normal = |x: u32| Vec3::new((x as f32 * 0.7).sin(), 0.3, 0.8).normalize();
+        let normals = Image::from_fn(48, 48, |x, y| if solid(x, y) { normal(x) } else { Vec3::ZERO });
+        let heights = Image::grey_from_fn(48, 48, |x, y| if solid(x, y) { 0.5 } else { 0.0 });
+        exemplar.set(Channel::Normal, normals).expect("fits");
+        exemplar.set(Channel::Height, heights).expect("fits");
+        exemplar.set(Channel::Opacity, opacity.clone()).expect("fits");
+        extend_exemplar(&mut exemplar).expect("same sizes");
+        let finest = |channel| exemplar.channel(channel).expect("it has it").finest();
+        for y in 0..48 {
+            for x in 0..48 {
+                assert!((finest(Channel::BaseColor).pixel(x, y) - Vec3::X).length() < 1e-5, "constant colour at {x}, {y}");
+                assert!((finest(Channel::Height).grey(x, y) - 0.5).abs() < 1e-5, "constant height at {x}, {y}");
+                assert!((finest(Channel::Normal).pixel(x, y).length() - 1.0).abs() < 1e-5, "unit normal at {x}, {y}");
+            }
+        }
+        assert_eq!(finest(Channel::Opacity), &opacity, "opacity itself stays");
+    }
+
+    #[test]
+    fn nothing_opaque_leaves_the_image_alone() {
+        let image = Image::from_fn(9, 5, |x, y| Vec3::new(x as f32, y as f32, 0.0));
+        let clear = Image::grey_from_fn(9, 5, |_, _| 0.0);
+        assert_eq!(extend(&image, &clear), image, "nothing to extend from");
+    }
+}

@@ -16,7 +16,7 @@ use glam::{DVec2, IVec2, Vec2};
 /// front against all of them; a circle in 32 tangents is 0.3 % too large.
 pub const HULL_VERTICES: usize = 32;
 /// Area the hull may add for the sake of fewer vertices, relative to the contour's. Faces in it are grown for nothing.
-pub const HULL_EXTRA_AREA: f64 = 0.025;
+pub const HULL_EXTRA_AREA: f64 = 0.03;
 /// Vertices that even a spiky hull is reduced to, whatever the area: beyond it the hull test costs more than the faces it
 /// saves.
 pub const HULL_MOST_VERTICES: usize = 96;
@@ -108,18 +108,18 @@ impl Hull {
         if point_segment_distance_squared(self.core, a, b) < self.core_radius * self.core_radius {
             return true;
         }
-        let (a, b) = (a.as_dvec2(), b.as_dvec2());
-        let along = b - a;
-        let (mut a_inside, mut touches) = (false, false);
+        let (start, end) = (a.as_dvec2(), b.as_dvec2());
+        let along = end - start;
+        let mut touches = false;
         let mut p = self.points.last().map_or(DVec2::ZERO, |p| p.as_dvec2());
-        let mut p_side = along.perp_dot(p - a);
+        let mut p_side = along.perp_dot(p - start);
         for &q in &self.points {
             let q = q.as_dvec2();
-            let q_side = along.perp_dot(q - a);
-            a_inside ^= crosses_leftward(a, p, q);
+            let q_side = along.perp_dot(q - start);
+            // Only the few sides that the segment's line meets are looked at closer.
             if p_side * q_side <= 0.0 {
                 let side = q - p;
-                let ends = side.perp_dot(a - p) * side.perp_dot(b - p);
+                let ends = side.perp_dot(start - p) * side.perp_dot(end - p);
                 if ends < 0.0 && p_side * q_side < 0.0 {
                     return true;
                 }
@@ -127,7 +127,7 @@ impl Hull {
             }
             (p, p_side) = (q, q_side);
         }
-        if touches { self.passes_inside(a, b) } else { a_inside }
+        if touches { self.passes_inside(start, end) } else { self.contains(a) }
     }
 
     /// [`Self::crosses_interior`] for segments that touch corners or sides: cuts the segment there and looks at the middle
@@ -209,10 +209,11 @@ impl Squares {
         let [w, h] = mask.size().map(|n| n as usize);
         let width = w + 3;
         let mut active = vec![false; width * (h + 3)];
-        for (i, _) in mask.data().iter().step_by(mask.components()).enumerate().filter(|&(_, &alpha)| alpha > 0.0) {
-            let first = (i / w + 1) * width + i % w + 1;
-            for square in [first, first + 1, first + width, first + width + 1] {
-                active[square] = true;
+        for (y, row) in mask.data().chunks_exact(w * mask.components()).enumerate() {
+            for (x, _) in row.iter().step_by(mask.components()).enumerate().filter(|&(_, &alpha)| alpha > 0.0) {
+                let first = (y + 1) * width + x + 1;
+                active[first..first + 2].fill(true);
+                active[first + width..first + width + 2].fill(true);
             }
         }
         Self { width, active }
@@ -220,26 +221,30 @@ impl Squares {
 
     /// Fills squares until no two active ones meet in a corner only.
     fn bridge_corners(&mut self) {
-        for corner in self.width + 1..self.active.len() {
-            self.bridge(corner);
+        let w = self.width;
+        let mut spoiled = Vec::new();
+        for corner in w + 1..self.active.len() {
+            let mut next = Some(corner);
+            while let Some(corner) = next {
+                if let Some(filled) = self.bridge(corner) {
+                    spoiled.extend([filled, filled + 1, filled + w, filled + w + 1]);
+                }
+                next = spoiled.pop();
+            }
         }
     }
 
-    /// Bridges one corner, and those that this spoils.
-    fn bridge(&mut self, corner: usize) {
-        let w = self.width;
-        let mut corners = vec![corner];
-        while let Some(corner) = corners.pop() {
-            let [nw, ne, sw, se] = [corner - w - 1, corner - w, corner - 1, corner];
-            let now = [nw, ne, sw, se].map(|i| self.active[i]);
-            let fill = match now {
-                [true, false, false, true] => ne,
-                [false, true, true, false] => nw,
-                _ => continue,
-            };
-            self.active[fill] = true;
-            corners.extend([fill, fill + 1, fill + w, fill + w + 1].into_iter().filter(|&i| i > w && i < self.active.len()));
-        }
+    /// Fills a square if two active ones meet only in the corner at the upper left of square `corner`; returns it.
+    fn bridge(&mut self, corner: usize) -> Option<usize> {
+        let (below, above) = (corner, corner.checked_sub(self.width)?);
+        let now = [above.checked_sub(1)?, above, below - 1, below].map(|i| self.active.get(i).copied().unwrap_or(false));
+        let fill = match now {
+            [true, false, false, true] => above,
+            [false, true, true, false] => above - 1,
+            _ => return None,
+        };
+        self.active[fill] = true;
+        Some(fill)
     }
 
     /// Walks around the first active square's piece with the inside to the left (towards +y when going +x).

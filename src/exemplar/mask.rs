@@ -37,64 +37,94 @@ pub(super) struct CutOut {
 
 /// Rounds alpha (rows of `width`) to 8 bits, keeps the largest piece and cuts it out. `None` if nothing is left.
 pub(super) fn cut_out(alpha: &[f32], width: usize) -> Option<CutOut> {
-    let bytes: Vec<u8> = alpha.iter().map(|&a| (a.clamp(0.0, 1.0) * 255.0).round() as u8).collect();
+    let bytes: Vec<u8> = alpha.iter().map(|&a| (a * 255.0 + 0.5) as u8).collect();
     let pieces = Pieces::new(&bytes, width);
     let total: u64 = pieces.alpha.iter().sum();
     let keep = (0..pieces.alpha.len()).rev().max_by_key(|&i| pieces.alpha[i])?;
-    let label = keep as u32 + 1;
-    let kept = (0..bytes.len()).filter(|&i| pieces.label[i] == label);
-    let (low, high) = kept.fold(([usize::MAX; 2], [0; 2]), |(low, high), i| {
-        let p = [i % width, i / width];
-        ([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])])
-    });
+    let kept: Vec<&Run> = pieces.runs.iter().filter(|run| run.piece == keep).collect();
+    let (mut low, mut high) = ([usize::MAX; 2], [0; 2]);
+    for run in &kept {
+        (low, high) = ([low[0].min(run.from), low[1].min(run.y)], [high[0].max(run.to), high[1].max(run.y + 1)]);
+    }
+    let [mask_width, mask_height] = [0, 1].map(|i| high[i] - low[i] + 2 * MARGIN);
+    let mut data = vec![0.0; mask_width * mask_height];
+    for run in kept {
+        let source = &bytes[run.y * width + run.from..run.y * width + run.to];
+        let first = (run.y - low[1] + MARGIN) * mask_width + run.from - low[0] + MARGIN;
+        for (alpha, &byte) in data[first..].iter_mut().zip(source) {
+            *alpha = f32::from(byte) / 255.0;
+        }
+    }
+    let mask = Image::new(mask_width as u32, mask_height as u32, 1, data)?;
     let origin = IVec2::new(low[0] as i32, low[1] as i32) - MARGIN as i32;
-    let size = [high[0] - low[0] + 1 + 2 * MARGIN, high[1] - low[1] + 1 + 2 * MARGIN];
-    let mask = Image::grey_from_fn(size[0] as u32, size[1] as u32, |x, y| {
-        let (x, y) = ((x as usize + low[0]).wrapping_sub(MARGIN), (y as usize + low[1]).wrapping_sub(MARGIN));
-        let i = y.wrapping_mul(width).wrapping_add(x);
-        if x < width && pieces.label.get(i) == Some(&label) { f32::from(bytes[i]) / 255.0 } else { 0.0 }
-    });
     let share = 1.0 - pieces.alpha[keep] as f32 / total as f32;
     Some(CutOut { mask, origin, dropped: (pieces.alpha.len() - 1, share) })
 }
 
-/// Connected pieces of what has alpha.
+/// Neighbouring pixels with alpha in row `y`, from column `from` to before column `to`.
+struct Run {
+    y: usize,
+    from: usize,
+    to: usize,
+    piece: usize,
+}
+
+/// Connected pieces of what has alpha, as runs from the top row down.
 struct Pieces {
-    /// Per pixel: 0, or 1 + the piece.
-    label: Vec<u32>,
-    /// Per piece: sum of alpha.
+    runs: Vec<Run>,
+    /// Per piece: sum of alpha in 8 bits.
     alpha: Vec<u64>,
 }
 
 impl Pieces {
+    /// Labels by runs and a union-find over them.
     fn new(bytes: &[u8], width: usize) -> Self {
-        let mut label = vec![0; bytes.len()];
-        let mut alpha = Vec::new();
-        let mut open = Vec::new();
-        for seed in 0..bytes.len() {
-            if bytes[seed] == 0 || label[seed] != 0 {
-                continue;
-            }
-            let this = alpha.len() as u32 + 1;
-            let mut sum = 0;
-            label[seed] = this;
-            open.push(seed);
-            while let Some(i) = open.pop() {
-                sum += u64::from(bytes[i]);
-                let (x, y) = (i % width, i / width);
-                for ny in y.saturating_sub(1)..=(y + 1).min(bytes.len() / width - 1) {
-                    for n in ny * width + x.saturating_sub(1)..=ny * width + (x + 1).min(width - 1) {
-                        if bytes[n] != 0 && label[n] == 0 {
-                            label[n] = this;
-                            open.push(n);
-                        }
-                    }
+        let mut runs: Vec<Run> = Vec::new();
+        let mut parent: Vec<usize> = Vec::new();
+        let mut above = 0..0;
+        for (y, row) in bytes.chunks_exact(width).enumerate() {
+            let first = runs.len();
+            let mut x = 0;
+            while let Some(from) = row[x..].iter().position(|&b| b > 0).map(|skip| x + skip) {
+                let to = row[from..].iter().position(|&b| b == 0).map_or(width, |length| from + length);
+                let this = runs.len();
+                parent.push(this);
+                // Corner contact counts, so runs above may end or begin one pixel beside.
+                while above.start < above.end && runs[above.start].to < from {
+                    above.start += 1;
                 }
+                for other in above.clone().take_while(|&i| runs[i].from <= to) {
+                    let (a, b) = (root(&mut parent, other), root(&mut parent, this));
+                    parent[a.max(b)] = a.min(b);
+                }
+                runs.push(Run { y, from, to, piece: 0 });
+                x = to;
             }
-            alpha.push(sum);
+            above = first..runs.len();
         }
-        Self { label, alpha }
+        let mut alpha = Vec::new();
+        let mut piece_of = vec![0; runs.len()];
+        for (i, run) in runs.iter_mut().enumerate() {
+            let top = root(&mut parent, i);
+            if top == i {
+                piece_of[i] = alpha.len();
+                alpha.push(0);
+            }
+            run.piece = piece_of[top];
+            let row = &bytes[run.y * width + run.from..run.y * width + run.to];
+            alpha[run.piece] += row.iter().map(|&b| u64::from(b)).sum::<u64>();
+        }
+        Self { runs, alpha }
     }
+}
+
+/// The first run of a piece; paths are halved on the way.
+fn root(parent: &mut [usize], mut i: usize) -> usize {
+    while parent[i] != i {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    i
 }
 
 /// The deepest point of what is `inside` (rows of `width`): the pixel centre farthest from all that is not, and its distance

@@ -15,6 +15,7 @@ use super::splotch::splotch;
 use super::{Channel, Exemplar, ExemplarError, Hull, Image, MipChain, TexturePatch};
 use crate::random::Random;
 use glam::Vec2;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -238,11 +239,13 @@ impl Ground {
         let [width, height] = exemplar.size().map(|n| n as usize);
         let reach = feather.max(LEAST_FEATHER);
         // The centres of border pixels are the outline, so that these are transparent.
-        let border = |i: usize| {
-            let (x, y) = (i % width, i / width);
-            (x.min(width - 1 - x).min(y).min(height - 1 - y) as f32).min(reach)
-        };
-        let bare = Self { width, height, reach, depth: (0..width * height).map(border).collect(), soft: None };
+        let mut depth = vec![reach; width * height];
+        for (y, row) in depth.chunks_exact_mut(width).enumerate() {
+            for (x, depth) in row.iter_mut().enumerate() {
+                *depth = (x.min(width - 1 - x).min(y).min(height - 1 - y) as f32).min(reach);
+            }
+        }
+        let bare = Self { width, height, reach, depth, soft: None };
         let Some(opacity) = exemplar.channel(Channel::Opacity).map(MipChain::finest) else { return bare };
         if opacity.data().iter().all(|&o| o >= TRANSPARENT) {
             return bare;
@@ -314,13 +317,12 @@ impl Ground {
     }
 
     fn alpha(&self, depth: &[f32], soft: Option<&[f32]>) -> Vec<f32> {
-        let factor = |values: Option<&[f32]>, i: usize| values.map_or(1.0, |v| v[i]);
-        (0..self.depth.len())
-            .map(|i| {
-                let ramp = mask::feather_alpha(depth[i].min(self.depth[i]), self.reach);
-                ramp * factor(soft, i) * factor(self.soft.as_deref(), i)
-            })
-            .collect()
+        let feathered = |(i, depth): (usize, &f32)| mask::feather_alpha(depth.min(self.depth[i]), self.reach);
+        let mut alpha: Vec<f32> = depth.par_iter().enumerate().map(feathered).collect();
+        for factor in [soft, self.soft.as_deref()].into_iter().flatten() {
+            alpha.par_iter_mut().zip(factor).for_each(|(alpha, factor)| *alpha *= factor);
+        }
+        alpha
     }
 
     /// The patch below an outline: its mask, hull and centre. Weight and exemplar are the caller's.

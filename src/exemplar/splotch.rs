@@ -18,9 +18,9 @@ const OPAQUE_SHARE: [f64; 2] = [0.60, 0.66];
 /// Exponent of the superellipse: 2 is an ellipse (79 % of its box), infinity the box; 3 fills 88 %.
 const ROUNDNESS: f64 = 3.0;
 /// Waves around the outline. One wave would only shift it, and finer ones than these look like teeth.
-const WAVES: std::ops::RangeInclusive<u32> = 2..=9;
+const WAVES: std::ops::RangeInclusive<u32> = 2..=7;
 /// The amplitude of wave k falls as k to minus this: less is frayed, more is a bean.
-const FALL: f64 = 0.9;
+const FALL: f64 = 1.0;
 /// Strongest swelling and dent, relative to the radius, that bisection tries.
 const STRONGEST: f64 = 0.5;
 /// Corners of the polygon: on an exemplar of 4096 pixels it stays within 0.1 pixels of the smooth curve.

@@ -97,7 +97,7 @@ fn check_lapped(lapped: &LappedTexture, faces: usize) -> Result<(), (String, Str
         if patch.mask.finest().components() != 1 {
             return fail("its mask has more than one component".into());
         }
-        let finite = patch.hull.iter().chain([&patch.centre]).all(|p| p.is_finite());
+        let finite = patch.hull.points().iter().chain([&patch.centre]).all(|p| p.is_finite());
         if !(finite && patch.weight > 0.0 && patch.weight.is_finite()) {
             return fail("its hull, centre or weight is out of range".into());
         }
