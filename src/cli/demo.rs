@@ -69,8 +69,11 @@ const SHOWS: [Show; 8] = [
     Show { name: "terrain-leaves", mesh: "terrain", exemplars: &["leaves"], ratio: 60.0, up: None, view: [30.0, 35.0] },
 ];
 
-/// Width and height of a picture in the gallery and of a quarter of a sheet, pixels.
+/// Width and height of a picture in the gallery, pixels.
 const PICTURE: u32 = 400;
+
+/// Width and height of a sheet of four views, pixels.
+const SHEET: u32 = 640;
 
 #[derive(Debug, Serialize)]
 struct DemoReport {
@@ -160,7 +163,7 @@ fn one(args: &DemoArgs, show: &Show, explain: bool, bar: &Bar) -> anyhow::Result
     write_record(&file(".glb"), &pasted.record)?;
     let texture = Composite::new(&pasted.mesh, &pasted.lapped);
     let subject = Subject { mesh: &pasted.mesh, texture: &texture, lapped: Some(&pasted.lapped), guide: Some(&pasted.guide) };
-    let sheet = picture::views(None, [2 * PICTURE; 2], 2, false);
+    let sheet = picture::views(None, [SHEET; 2], 2, false);
     picture::save(&file(".png"), &preview(&subject, PreviewStyle::Texture, &sheet)?)?;
     if explain {
         for style in PreviewStyle::ALL.into_iter().filter(|&s| s != PreviewStyle::Texture) {
@@ -168,6 +171,6 @@ fn one(args: &DemoArgs, show: &Show, explain: bool, bar: &Bar) -> anyhow::Result
         }
     }
     let [yaw, pitch] = show.view;
-    let front = picture::views(Some(View::degrees(yaw, pitch)), [PICTURE; 2], 3, false);
+    let front = picture::views(Some(View::degrees(yaw, pitch)), [PICTURE; 2], 2, false);
     Ok((preview(&subject, PreviewStyle::Texture, &front)?, pasted.report))
 }

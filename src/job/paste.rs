@@ -214,6 +214,9 @@ fn default_source(exemplar: &Exemplar, options: &PatchOptions) -> PatchSource {
     if crate::exemplar::opacity_is_outline(exemplar, options.feather) { PatchSource::Whole } else { PatchSource::Splotch }
 }
 
+/// Makes a field on a subdivision of the mesh.
+type Evaluate<'a> = dyn FnMut(&Subdivision) -> Result<TangentField, FieldError> + 'a;
+
 /// The guide, on the mesh or on a subdivision of it.
 fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(Option<Subdivision>, Guide), JobError> {
     let mesh = &cleaned.mesh;
@@ -225,7 +228,7 @@ fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(O
         ..FieldOptions::default()
     };
     let mut filled = 0;
-    let mut evaluate: Box<dyn FnMut(&Subdivision) -> Result<TangentField, FieldError> + '_> = match &job.steer {
+    let mut evaluate: Box<Evaluate> = match &job.steer {
         Steer::Up(axis) => Box::new(|fine| {
             let (field, statistics) = up_on(mesh, fine, *axis, scale)?;
             filled = statistics.filled_faces;
