@@ -64,7 +64,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 /// A small whole record.
 fn record() -> Vec<u8> {
     use glam::{Vec2, Vec3};
-    use lapped::exemplar::{Exemplar, Image, MipChain, TexturePatch};
+    use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
     use lapped::paste::{LappedTexture, Paste};
     let mut record = lapped::format::Record::default();
     record.model.positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
@@ -74,7 +74,7 @@ fn record() -> Vec<u8> {
         exemplar: 0,
         origin: [0, 0],
         mask: MipChain::mask(Image::grey_from_fn(4, 4, |_, _| 1.0)),
-        hull: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+        hull: Hull::new(vec![Vec2::ZERO, Vec2::X, Vec2::Y]),
         centre: Vec2::ONE,
         weight: 1.0,
     };

@@ -125,7 +125,7 @@ pub(super) fn spread(mesh: &Mesh, anchors: &[Anchor], base: &Base<'_>, carry: Ca
     searches.out_of_reach(&mut present);
     let mut of = |k: usize| channels[k].take().map(|channel: Channel| searches.at_faces(&channel, base, k == 0));
     Spread {
-        directions: of(0).map(|v| v.into_iter().map(glam::DVec3::as_vec3).collect()),
+        directions: of(0).map(|v| v.into_iter().map(DVec3::as_vec3).collect()),
         ln_scale: of(1).map(|v| v.into_iter().map(|x| x.x as f32).collect()),
         shape: of(2).map(|v| v.into_iter().map(|x| [x.x as f32, x.y as f32]).collect()),
     }
