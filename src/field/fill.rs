@@ -9,10 +9,14 @@
 use crate::mesh::transport::{across, projected};
 use crate::mesh::{Mesh, NONE};
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 /// Relaxation sweeps over the filled faces. A sweep spreads news by one face; regions wider than this keep the fronts'
 /// directions in their middle, which are smooth but for the lines where fronts met.
 const SWEEPS: usize = 32;
+
+/// Sweeps end when no direction changes by more than this, radians.
+const SETTLED: f32 = 1e-3;
 
 /// A mean of unit directions shorter than this has no direction: the neighbours cancel.
 const CANCELLED: f64 = 1e-6;
@@ -28,7 +32,7 @@ pub fn fill(mesh: &Mesh, directions: &mut [Vec3], axes: [DVec3; 3]) -> usize {
     let mut ring: Vec<u32> = missing.iter().copied().filter(|&f| has_known_neighbour(mesh, directions, f)).collect();
     let mut queued = vec![false; mesh.face_count()];
     while !ring.is_empty() {
-        let found: Vec<Vec3> = ring.iter().map(|&f| from_neighbours(mesh, directions, f)).collect();
+        let found: Vec<Vec3> = ring.par_iter().map(|&f| from_neighbours(mesh, directions, f)).collect();
         for (&f, direction) in ring.iter().zip(found) {
             if directions[f as usize] == Vec3::ZERO {
                 directions[f as usize] = direction;
@@ -46,9 +50,14 @@ pub fn fill(mesh: &Mesh, directions: &mut [Vec3], axes: [DVec3; 3]) -> usize {
         ring = next_ring;
     }
     for _ in 0..SWEEPS {
-        let relaxed: Vec<Vec3> = missing.iter().map(|&f| from_neighbours(mesh, directions, f)).collect();
+        let relaxed: Vec<Vec3> = missing.par_iter().map(|&f| from_neighbours(mesh, directions, f)).collect();
+        let mut change = 0.0_f32;
         for (&f, direction) in missing.iter().zip(relaxed) {
+            change = change.max(direction.distance(directions[f as usize]));
             directions[f as usize] = direction;
+        }
+        if change < SETTLED {
+            break;
         }
     }
     missing.len()

@@ -22,14 +22,8 @@ pub struct Singularity {
     pub index: i32,
 }
 
-/// Turn over each half-edge in radians, -pi to pi, out of its face into the next; 0 on boundaries. Opposite half-edges have
-/// opposite turns.
-#[must_use]
-pub fn turns(mesh: &Mesh, directions: &[Vec3]) -> Vec<f32> {
-    (0..mesh.opposite.len() as u32).into_par_iter().map(|h| turn(mesh, directions, h) as f32).collect()
-}
-
-/// [`turns`] of one half-edge.
+/// Turn over a half-edge in radians, -pi to pi, out of its face into the next; 0 on boundaries. Opposite half-edges have opposite
+/// turns.
 #[must_use]
 pub fn turn(mesh: &Mesh, directions: &[Vec3], h: u32) -> f64 {
     let o = mesh.opposite[h as usize];

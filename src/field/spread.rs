@@ -125,7 +125,7 @@ pub(super) fn spread(mesh: &Mesh, anchors: &[Anchor], base: &Base<'_>, carry: Ca
     searches.out_of_reach(&mut present);
     let mut of = |k: usize| channels[k].take().map(|channel: Channel| searches.at_faces(&channel, base, k == 0));
     Spread {
-        directions: of(0).map(|v| v.into_iter().map(DVec3::as_vec3).collect()),
+        directions: of(0).map(|v| v.iter().map(|d| d.as_vec3()).collect()),
         ln_scale: of(1).map(|v| v.into_iter().map(|x| x.x as f32).collect()),
         shape: of(2).map(|v| v.into_iter().map(|x| [x.x as f32, x.y as f32]).collect()),
     }
@@ -208,9 +208,10 @@ impl<'a> Searches<'a> {
         let mine: Vec<&Channel> = channels.iter().copied().filter(|c| c.values[index].is_some()).collect();
         let (ln_height, steepness) = (anchor.weight.ln(), 0.5 / (anchor.extent * anchor.extent));
         let admit = |v: u32, distance: f64| {
-            // Beyond one extent the weight exceeds its Gaussian by less than e; nearer it is always worth a visit.
+            // How far the weight can exceed its Gaussian: below one extent without bound, so that a visit is always worth it.
             let x = distance * distance * steepness;
-            x < 0.5 || mine.iter().any(|c| ln_height - x + 1.0 >= f64::from(c.bounds[v as usize]) - NEGLIGIBLE)
+            let excess = if x < 2.0 { 0.94 } else { 0.15 };
+            x < 0.5 || mine.iter().any(|c| ln_height - x + excess >= f64::from(c.bounds[v as usize]) - NEGLIGIBLE)
         };
         match mine.iter().find(|c| c.travels).and_then(|c| c.values[index]) {
             None => geodesic.search_with(&[anchor.at], admit, |_| ()),

@@ -14,7 +14,7 @@
 //! never conspire to a distance shorter than any one's.
 
 use super::{Mesh, NONE, SurfacePoint, next, prev};
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -209,7 +209,7 @@ impl<'m> Geodesic<'m> {
         let source_y = (di * di - source_x * source_x).max(0.0).sqrt();
         let cross = source_x + (x - source_x) * source_y / (source_y + y);
         let share = cross / length;
-        (0.0..=1.0).contains(&share).then(|| ((x - source_x).hypot(y + source_y), share))
+        (0.0..=1.0).contains(&share).then(|| (DVec2::new(x - source_x, y + source_y).length(), share))
     }
 
     fn improve(&mut self, step: Step, admit: &impl Fn(u32, f64) -> bool, carry: &mut impl FnMut(&Step)) {
