@@ -6,7 +6,7 @@
 //!
 //! 1. The contour of the mask's bilinear support: the unit squares between four neighbouring pixel centres of which at
 //!    least one has alpha. Holes are ignored; squares that meet in a corner only are bridged, so that the contour is simple.
-//! 2. Edge collapses that only add area ([`super::collapse`]), down to a budget of vertices and of area.
+//! 2. Edge collapses that only add area (`collapse.rs`), down to a budget of vertices and of area.
 
 use super::Image;
 use super::collapse::{segment_distance, signed_area, simplify};

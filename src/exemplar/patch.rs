@@ -34,6 +34,8 @@ const TRANSPARENT: f32 = 0.5;
 const LEAST_FEATHER: f32 = 1.0;
 /// How far the proportions of a mask image may differ from the exemplar's before it is told.
 const ASPECT_TOLERANCE: f32 = 0.01;
+/// Share of a mask's alpha in dropped pieces from which that is told; less is dust.
+const TOLD_SHARE: f32 = 0.001;
 /// First of the random streams of splotches.
 const SPLOTCH_STREAM: u64 = 0x5350_4C4F_0000_0000;
 
@@ -341,7 +343,7 @@ impl Ground {
         let alpha = self.alpha(&depth, soft);
         drop(depth);
         let CutOut { mask, origin, dropped } = mask::cut_out(&alpha, self.width).ok_or_else(nothing)?;
-        if dropped.0 > 0 {
+        if dropped.1 >= TOLD_SHARE {
             warnings.push(format!(
                 "{name} falls into {} pieces: only the largest is used, {:.1} % of it is left out",
                 dropped.0 + 1,

@@ -4,7 +4,8 @@
 //! not show in irregular textures. The shape is ours:
 //!
 //! 1. A superellipse about the middle, so that corners of the exemplar are used too.
-//! 2. Its radius is swelled and dented by a random sum of waves around it, long ones the strongest.
+//! 2. Its radius is swelled and dented by a random sum of waves around it. The sum is its logarithm: dents come out blunt
+//!    and never reach the middle, so the outline is simple.
 //! 3. The result is stretched to fill the exemplar's rectangle, and so takes on its proportions.
 //! 4. The strength of the waves is found by bisection so that the opaque share of the exemplar is the one wanted: the number
 //!    of pastes is inverse to it, so it decides the cost of everything that follows.
@@ -14,25 +15,28 @@ use glam::{DVec2, Vec2};
 use std::f64::consts::TAU;
 
 /// Opaque share of the exemplar, drawn between these. Below, pastes multiply; above, too little irregularity is left.
-const OPAQUE_SHARE: [f64; 2] = [0.60, 0.66];
+const OPAQUE_SHARE: [f64; 2] = [0.62, 0.68];
 /// Exponent of the superellipse: 2 is an ellipse (79 % of its box), infinity the box; 3 fills 88 %.
 const ROUNDNESS: f64 = 3.0;
 /// Waves around the outline. One wave would only shift it, and finer ones than these look like teeth.
-const WAVES: std::ops::RangeInclusive<u32> = 2..=7;
+const WAVES: std::ops::RangeInclusive<u32> = 2..=8;
 /// The amplitude of wave k falls as k to minus this: less is frayed, more is a bean.
-const FALL: f64 = 1.0;
-/// Strongest swelling and dent, relative to the radius, that bisection tries.
+const FALL: f64 = 0.9;
+/// The part that is left of the longest wave's amplitude: at full strength it makes hourglasses.
+const LONGEST: f64 = 0.5;
+/// Strongest swelling and dent that bisection tries, as the logarithm of the radius.
 const STRONGEST: f64 = 0.5;
 /// Corners of the polygon: on an exemplar of 4096 pixels it stays within 0.1 pixels of the smooth curve.
-const CORNERS: usize = 512;
+const CORNERS: usize = 1024;
 
 /// A random splotch in the rectangle from `low` to `high`; `feather` is the width of its transition.
 pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, random: &mut Random) -> Vec<Vec2> {
     let share = random.range(OPAQUE_SHARE[0], OPAQUE_SHARE[1]);
     let waves: Vec<[f64; 3]> = WAVES
         .map(|k| {
+            let part = if k == *WAVES.start() { LONGEST } else { 1.0 };
             let k = f64::from(k);
-            [k, random.range(0.3, 1.0) * k.powf(-FALL), random.range(0.0, TAU)]
+            [k, part * random.range(0.4, 1.0) * k.powf(-FALL), random.range(0.0, TAU)]
         })
         .collect();
     let power: f64 = waves.iter().map(|[_, a, _]| a * a / 2.0).sum();
@@ -44,7 +48,7 @@ pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, random: &mut Random) 
         })
         .collect();
     let (low, size) = (low.as_dvec2(), (high - low).as_dvec2());
-    let outline = |strength: f64| fit(profile.iter().map(|p| corner(p.x, 1.0 + strength * p.y)).collect(), low, size);
+    let outline = |strength: f64| fit(profile.iter().map(|p| corner(p.x, (strength * p.y).exp())).collect(), low, size);
     let (mut weak, mut strong) = (0.0, STRONGEST);
     for _ in 0..24 {
         let middle = 0.5 * (weak + strong);
@@ -57,8 +61,7 @@ pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, random: &mut Random) 
 fn corner(angle: f64, factor: f64) -> DVec2 {
     let (sin, cos) = angle.sin_cos();
     let radius = (sin.abs().powf(ROUNDNESS) + cos.abs().powf(ROUNDNESS)).powf(-1.0 / ROUNDNESS);
-    // A dent never reaches the middle, where the outline would cross itself.
-    DVec2::new(cos, sin) * radius * factor.max(0.2)
+    DVec2::new(cos, sin) * radius * factor
 }
 
 /// Moves and stretches points so that they just fill a rectangle.
