@@ -78,7 +78,7 @@ fn every_mesh_gets_a_whole_field_whose_indices_sum_to_its_euler_characteristic()
         let scale = default_scale(mesh, 40.0, 1.0);
         let (field, _) = up(mesh, DVec3::Y, scale).expect("a field");
         check_field(name, mesh, &field, scale);
-        let anchors = wishes(mesh, 5, 1).anchors(mesh, None, DVec3::Y).expect("good constraints");
+        let anchors = wishes(mesh, 5, 1).anchors(mesh, None, DVec3::Y, 0.1).expect("good constraints");
         let (guided, _) = constrained(mesh, &anchors, &FieldOptions { scale, ..FieldOptions::default() }).expect("a field");
         check_field(name, mesh, &guided, scale);
         if is_closed(mesh) {
@@ -91,7 +91,7 @@ fn every_mesh_gets_a_whole_field_whose_indices_sum_to_its_euler_characteristic()
 #[test]
 fn every_constraint_is_met_at_its_face() {
     for (name, mesh) in meshes() {
-        let anchors = wishes(mesh, 12, 2).anchors(mesh, None, DVec3::Y).expect("good constraints");
+        let anchors = wishes(mesh, 12, 2).anchors(mesh, None, DVec3::Y, 0.1).expect("good constraints");
         let (field, statistics) = constrained(mesh, &anchors, &FieldOptions::default()).expect("a field");
         for anchor in &anchors {
             let off = field.up[anchor.at.face as usize].as_dvec3().angle_between(anchor.direction.expect("given"));
@@ -105,7 +105,7 @@ fn every_constraint_is_met_at_its_face() {
 fn refined_meshes_keep_their_topology_and_lead_back() {
     for (name, mesh) in meshes() {
         let scale = default_scale(mesh, 80.0, 1.0);
-        let anchors = wishes(mesh, 4, 3).anchors(mesh, None, DVec3::Y).expect("good constraints");
+        let anchors = wishes(mesh, 4, 3).anchors(mesh, None, DVec3::Y, 0.1).expect("good constraints");
         let options = FieldOptions { scale, ..FieldOptions::default() };
         let refine = RefineOptions::default();
         let by_axis = refine_near_singularities(mesh, &refine, |fine| up_on(mesh, fine, DVec3::Y, scale).map(|f| f.0));

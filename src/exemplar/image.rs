@@ -179,10 +179,8 @@ impl MipChain {
         if level == 0 {
             return self.levels[0].bilinear(at);
         }
-        let [w0, h0] = self.size();
-        let image = &self.levels[level];
-        let [w, h] = image.size();
-        image.bilinear(at * Vec2::new(w as f32 / w0 as f32, h as f32 / h0 as f32))
+        // A level halves pixels in pairs from the top left, so its scale is exact even where a size was odd.
+        self.levels[level].bilinear(at * 0.5_f32.powi(level as i32))
     }
 }
 

@@ -163,6 +163,11 @@ impl Exemplar {
         Ok(())
     }
 
+    /// Takes a channel out; the base colour stays.
+    pub fn remove(&mut self, channel: Channel) {
+        self.channels.retain(|(c, _)| *c != channel || *c == Channel::BaseColor);
+    }
+
     /// Width and height in pixels.
     #[must_use]
     pub const fn size(&self) -> [u32; 2] {

@@ -8,7 +8,9 @@
 
 use super::bind::Outgoing;
 use crate::exemplar::extend::extend_exemplar;
-use crate::exemplar::{Exemplar, ExemplarError, PatchOptions, PatchSource, PatchSpec, TexturePatch, make_patches};
+use crate::exemplar::{
+    Channel, Exemplar, ExemplarError, PatchOptions, PatchSource, PatchSpec, TexturePatch, make_patches, opacity_is_outline,
+};
 use crate::field::{
     self, Constraints, FieldError, FieldOptions, Guide, RefineOptions, RefineStatistics, TangentField, constrained_on,
     constrained_scale, default_scale, discontinuity, refine_near_singularities, up_on,
@@ -201,6 +203,10 @@ fn cut_patches(
         let specs = if input.patches.is_empty() { &default[..] } else { &input.patches[..] };
         let (cut, told) = make_patches(&input.exemplar, index as u16, specs, options)?;
         warnings.extend(told);
+        // As an outline opacity is in the masks; as a channel as well it would let the ground show at every border.
+        if opacity_is_outline(&input.exemplar, options.feather) {
+            input.exemplar.remove(Channel::Opacity);
+        }
         let total: f32 = cut.iter().map(|p| p.weight).sum();
         patches.extend(cut.into_iter().map(|p| TexturePatch { weight: p.weight / total * input.weight, ..p }));
         exemplars.push(input.exemplar);
@@ -211,7 +217,7 @@ fn cut_patches(
 /// Exemplars with transparent parts are their own outline; others get splotches, the shape whose seams show least on
 /// textures of any kind.
 fn default_source(exemplar: &Exemplar, options: &PatchOptions) -> PatchSource {
-    if crate::exemplar::opacity_is_outline(exemplar, options.feather) { PatchSource::Whole } else { PatchSource::Splotch }
+    if opacity_is_outline(exemplar, options.feather) { PatchSource::Whole } else { PatchSource::Splotch }
 }
 
 /// Makes a field on a subdivision of the mesh.

@@ -5,7 +5,7 @@
 //! the whole topology: rings, boundaries and components are walks over it.
 //!
 //! Every `Mesh` is an oriented manifold, possibly with boundary, of any genus and any number of components; each vertex
-//! has one fan of faces. [`clean`] makes one from whatever a file holds.
+//! has one fan of faces. [`clean()`] makes one from whatever a file holds.
 
 pub mod clean;
 pub mod curvature;
