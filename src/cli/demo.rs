@@ -8,7 +8,7 @@ use crate::exemplar::PatchSpec;
 use crate::format::write_record;
 use crate::job::{ExemplarInput, JobReport, PasteJob, Scale, Steer, paste_model};
 use crate::paste::Composite;
-use crate::render::{Picture, PreviewStyle, Subject, View, preview};
+use crate::render::{Picture, PreviewStyle, Subject, UpAxis, View, preview};
 use anyhow::Context;
 use clap::Args;
 use glam::DVec3;
@@ -163,7 +163,7 @@ fn one(args: &DemoArgs, show: &Show, explain: bool, bar: &Bar) -> anyhow::Result
     write_record(&file(".glb"), &pasted.record)?;
     let texture = Composite::new(&pasted.mesh, &pasted.lapped);
     let subject = Subject { mesh: &pasted.mesh, texture: &texture, lapped: Some(&pasted.lapped), guide: Some(&pasted.guide) };
-    let sheet = picture::views(None, [SHEET; 2], 2, false);
+    let sheet = picture::views(None, [SHEET; 2], 2, false, UpAxis::Y);
     picture::save(&file(".png"), &preview(&subject, PreviewStyle::Texture, &sheet)?)?;
     if explain {
         for style in PreviewStyle::ALL.into_iter().filter(|&s| s != PreviewStyle::Texture) {
@@ -171,6 +171,6 @@ fn one(args: &DemoArgs, show: &Show, explain: bool, bar: &Bar) -> anyhow::Result
         }
     }
     let [yaw, pitch] = show.view;
-    let front = picture::views(Some(View::degrees(yaw, pitch)), [PICTURE; 2], 2, false);
+    let front = picture::views(Some(View::degrees(yaw, pitch)), [PICTURE; 2], 2, false, UpAxis::Y);
     Ok((preview(&subject, PreviewStyle::Texture, &front)?, pasted.report))
 }

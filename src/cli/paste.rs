@@ -65,9 +65,9 @@ pub struct PasteArgs {
     /// [default: the exemplar's own transparency if it has any, else splotch]
     #[arg(long, value_name = "SHAPE", help_heading = "Texture patches")]
     pub patch: Vec<String>,
-    /// Pixels over which alpha falls off at a patch's edge
-    #[arg(long, value_name = "PX", default_value_t = 3.0, help_heading = "Texture patches")]
-    pub feather: f32,
+    /// Pixels over which alpha falls off at a patch's edge [default: 3, or 1.5 % of a larger exemplar]
+    #[arg(long, value_name = "PX", help_heading = "Texture patches")]
+    pub feather: Option<f32>,
     /// Different splotches per exemplar
     #[arg(long, value_name = "N", default_value_t = 3, help_heading = "Texture patches")]
     pub splotches: u32,
@@ -248,7 +248,8 @@ fn job(args: &PasteArgs) -> anyhow::Result<PasteJob> {
         scale,
         steer: steer(args)?,
         keep_faces: args.keep_faces,
-        patches: PatchOptions { feather: args.feather, seed: args.seed, splotches: args.splotches },
+        feather: args.feather,
+        patches: PatchOptions { seed: args.seed, splotches: args.splotches, ..PatchOptions::default() },
         paste: PasteOptions {
             seed: args.seed,
             distortion: args.distortion,
@@ -351,7 +352,7 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
 fn draw(args: &PasteArgs, pasted: &Pasted, path: &Path) -> anyhow::Result<()> {
     let texture = Composite::new(&pasted.mesh, &pasted.lapped);
     let subject = Subject { mesh: &pasted.mesh, texture: &texture, lapped: Some(&pasted.lapped), guide: Some(&pasted.guide) };
-    let options = picture::views(args.camera, args.preview_size.0, 2, false);
+    let options = picture::views(args.camera, args.preview_size.0, 2, false, picture::up_axis(args.up));
     picture::save(path, &preview(&subject, args.preview_style, &options)?)
 }
 

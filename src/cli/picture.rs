@@ -1,8 +1,9 @@
 //! Pictures on the command line: sizes, cameras, styles, and writing them.
 
 use crate::format::write_file;
-use crate::render::{Background, Picture, SheetOptions, View};
+use crate::render::{Background, Picture, SEPARATOR, SheetOptions, UpAxis, View};
 use anyhow::Context;
+use glam::DVec3;
 use std::path::Path;
 
 /// A size like 1024x768.
@@ -26,16 +27,28 @@ impl std::fmt::Display for Size {
     }
 }
 
-/// A single view, or the four standard ones.
+/// The up axis of a picture of a model whose texture goes up along `axis`.
 #[must_use]
-pub fn views(camera: Option<View>, size: [u32; 2], samples: u32, transparent: bool) -> SheetOptions {
+pub fn up_axis(axis: Option<DVec3>) -> UpAxis {
+    match axis {
+        Some(a) if a.z.abs() > a.x.abs().max(a.y.abs()) => UpAxis::Z,
+        _ => UpAxis::Y,
+    }
+}
+
+/// A single view, or the four standard ones on a sheet of `size` with `up` upward.
+#[must_use]
+pub fn views(camera: Option<View>, size: [u32; 2], samples: u32, transparent: bool, up: UpAxis) -> SheetOptions {
     let mut options = SheetOptions { samples, ..SheetOptions::default() };
     match camera {
         Some(view) => {
             options.views = vec![(String::new(), view)];
             options.size = size;
         }
-        None => options.size = size.map(|s| (s / 2).max(1)),
+        None => {
+            options.views.iter_mut().for_each(|(_, view)| view.up = up);
+            options.size = size.map(|s| (s.saturating_sub(SEPARATOR) / 2).max(1));
+        }
     }
     if transparent {
         options.draw.background = Background::Transparent;

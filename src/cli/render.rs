@@ -40,6 +40,9 @@ pub struct RenderArgs {
     /// One view instead of four: front, back, left, right, top, bottom, or yaw=30,pitch=15,zoom=1.2
     #[arg(long, value_name = "VIEW")]
     pub camera: Option<View>,
+    /// Which way is up on the sheet of four views: y or z
+    #[arg(long, value_name = "AXIS", value_parser = super::axis, allow_hyphen_values = true)]
+    pub up: Option<glam::DVec3>,
     /// What to show: texture, pastes, field, coverage, stretch, wireframe
     #[arg(long, value_name = "STYLE", default_value_t = PreviewStyle::Texture)]
     pub style: PreviewStyle,
@@ -113,7 +116,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let name = || args.model.display().to_string();
     let shown = Shown::read(&args.model)?;
     let read_seconds = begin.elapsed().as_secs_f64();
-    let options = picture::views(args.camera, args.size.0, args.samples, args.transparent);
+    let options = picture::views(args.camera, args.size.0, args.samples, args.transparent, picture::up_axis(args.up));
     let start = Instant::now();
     let (picture, faces, pastes) = match shown {
         Shown::Record(bound) => {

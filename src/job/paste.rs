@@ -81,7 +81,9 @@ pub struct PasteJob {
     pub steer: Steer,
     /// Leave faces near singularities as they are.
     pub keep_faces: bool,
-    /// How texture patches are cut.
+    /// Pixels over which alpha falls off at a patch's edge; `None` goes by each exemplar's size ([`default_feather`]).
+    pub feather: Option<f32>,
+    /// How else texture patches are cut; its feather is not used.
     pub patches: PatchOptions,
     /// How to paste.
     pub paste: PasteOptions,
@@ -155,7 +157,7 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
     report.clean = cleaned.report.clone();
 
     progress.stage("cutting texture patches", 0);
-    let (exemplars, patches) = cut_patches(inputs, &job.patches, &mut report.warnings)?;
+    let (exemplars, patches) = cut_patches(inputs, job, &mut report.warnings)?;
     report.patches = patches.len();
 
     progress.stage("making the field", 0);
@@ -193,18 +195,20 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
 /// Exemplars with their colours extended under transparency, and the patches cut from them.
 fn cut_patches(
     inputs: Vec<ExemplarInput>,
-    options: &PatchOptions,
+    job: &PasteJob,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Exemplar>, Vec<TexturePatch>), JobError> {
     let (mut exemplars, mut patches) = (Vec::new(), Vec::new());
     for (index, mut input) in inputs.into_iter().enumerate() {
         extend_exemplar(&mut input.exemplar)?;
-        let default = [PatchSpec { source: default_source(&input.exemplar, options), weight: 1.0 }];
+        let feather = job.feather.unwrap_or_else(|| default_feather(input.exemplar.size()));
+        let options = PatchOptions { feather, ..job.patches.clone() };
+        let default = [PatchSpec { source: default_source(&input.exemplar, feather), weight: 1.0 }];
         let specs = if input.patches.is_empty() { &default[..] } else { &input.patches[..] };
-        let (cut, told) = make_patches(&input.exemplar, index as u16, specs, options)?;
+        let (cut, told) = make_patches(&input.exemplar, index as u16, specs, &options)?;
         warnings.extend(told);
         // As an outline opacity is in the masks; as a channel as well it would let the ground show at every border.
-        if opacity_is_outline(&input.exemplar, options.feather) {
+        if opacity_is_outline(&input.exemplar, feather) {
             input.exemplar.remove(Channel::Opacity);
         }
         let total: f32 = cut.iter().map(|p| p.weight).sum();
@@ -214,10 +218,19 @@ fn cut_patches(
     Ok((exemplars, patches))
 }
 
+/// The paper's 3 pixels were for images of about 200; on larger ones they cut like scissors.
+const FEATHER_SHARE: f32 = 0.015;
+
+/// Pixels over which alpha falls off by default: 3, or 1.5 % of the exemplar's smaller side.
+#[must_use]
+pub fn default_feather(size: [u32; 2]) -> f32 {
+    (size[0].min(size[1]) as f32 * FEATHER_SHARE).max(3.0)
+}
+
 /// Exemplars with transparent parts are their own outline; others get splotches, the shape whose seams show least on
 /// textures of any kind.
-fn default_source(exemplar: &Exemplar, options: &PatchOptions) -> PatchSource {
-    if opacity_is_outline(exemplar, options.feather) { PatchSource::Whole } else { PatchSource::Splotch }
+fn default_source(exemplar: &Exemplar, feather: f32) -> PatchSource {
+    if opacity_is_outline(exemplar, feather) { PatchSource::Whole } else { PatchSource::Splotch }
 }
 
 /// Makes a field on a subdivision of the mesh.

@@ -12,6 +12,10 @@ use glam::DVec2;
 /// round adds few faces and the third next to none.
 const REGROWTHS: usize = 3;
 
+/// When no more than this share of a patch's faces has joined after a fit, they lie along its rim where the field has placed
+/// them, and the fit that follows moves nothing far enough to uncover the patch again.
+const FEW: f64 = 0.03;
+
 /// Faces smaller than this share of the hull's radius are judged together with their neighbours. On a fine or noisy mesh
 /// single faces tilt and flip without being seen; refusing them leaves slits in the patch, because the faces around a
 /// hole may not close the ring.
@@ -84,24 +88,30 @@ fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch:
     let mut grower = Grower::new(site.mesh, scratch, site.seed.face, uv);
     grower.grow(&mut rule);
     let isotropic = matches!(site.guide, Guide::Isotropic { .. }).then_some(choice.isotropic);
+    let fitter = |grower: &Grower, rule: &PasteRule| {
+        let (disc, frames) = (grower.disc(), rule.frames());
+        Fitter::new(&FitProblem { mesh: site.mesh, disc, frames, weights: choice.weights, isotropic })
+    };
     let (mut iterations, mut regrowths) = (0, 0);
     loop {
-        let disc = grower.disc();
-        let mut fitter =
-            Fitter::new(&FitProblem { mesh: site.mesh, disc, frames: rule.frames(), weights: choice.weights, isotropic });
-        let draft = fitter.draft(disc);
+        let mut fit = fitter(&grower, &rule);
+        let draft = fit.draft(grower.disc());
         place(&mut grower, draft, site.seed);
         rule.moved(grower.disc());
-        let grew = regrowths < REGROWTHS && grower.grow(&mut rule) > 0;
-        if !grew {
-            let fitted = fitter.finish(grower.disc());
-            place(&mut grower, fitted, site.seed);
+        let joined = if regrowths < REGROWTHS { grower.grow(&mut rule) } else { 0 };
+        let few = joined as f64 <= FEW * grower.disc().faces.len() as f64;
+        if joined > 0 {
+            iterations += fit.iterations();
+            regrowths += 1;
+            if !few {
+                continue;
+            }
+            fit = fitter(&grower, &rule);
         }
-        iterations += fitter.iterations();
-        if !grew {
-            break;
-        }
-        regrowths += 1;
+        let fitted = fit.finish(grower.disc());
+        place(&mut grower, fitted, site.seed);
+        iterations += fit.iterations();
+        break;
     }
     let stops = rule.stops(&grower);
     let open = grower.open_border().collect();

@@ -18,12 +18,12 @@ pub mod stroke;
 pub mod style;
 pub mod text;
 
-pub use camera::{Camera, Projection, View};
+pub use camera::{Camera, Projection, UpAxis, View};
 pub use picture::Picture;
 pub use raster::{Grid, Hit, Visibility};
 pub use reference::{Background, DrawOptions, Stage, draw};
 pub use shade::Lighting;
-pub use sheet::{SheetOptions, sheet};
+pub use sheet::{SEPARATOR, SheetOptions, sheet};
 pub use style::{PreviewStyle, Subject, preview};
 
 /// Why a picture cannot be made.

@@ -30,7 +30,12 @@ impl Default for SheetOptions {
     fn default() -> Self {
         let view = |name: &str, yaw, pitch| (name.to_owned(), View::degrees(yaw, pitch));
         Self {
-            views: vec![view("front", 30.0, 18.0), view("side", 95.0, 8.0), view("back", 205.0, 18.0), view("above", -30.0, 62.0)],
+            views: vec![
+                view("yaw 30", 30.0, 18.0),
+                view("yaw 95", 95.0, 8.0),
+                view("yaw 205", 205.0, 18.0),
+                view("above", -30.0, 62.0),
+            ],
             size: [512, 512],
             samples: 3,
             columns: 0,
@@ -40,7 +45,7 @@ impl Default for SheetOptions {
 }
 
 /// Width of the lines between views, pixels.
-const SEPARATOR: u32 = 2;
+pub const SEPARATOR: u32 = 2;
 /// Colour of those lines, sRGB.
 const SEPARATOR_COLOUR: [u8; 4] = [255, 255, 255, 255];
 /// Colour of captions, sRGB.
