@@ -42,6 +42,30 @@ fn obj_problems_name_their_line() {
     refused("a.obj", TRIANGLE, &["3 vertices", "no faces"]);
     refused("a.obj", "# nothing\n", &["no vertices"]);
     refused("a.obj", "v 0 0 0\0\0\0", &["line 1"]);
+    refused("a.obj", format!("{TRIANGLE}vt 0 x\nf 1 2 3\n"), &["line 4", "texture coordinate", "\"x\""]);
+    refused("a.obj", format!("# a\n{TRIANGLE}vn 0 0\nf 1 2 3\n"), &["line 5", "normal", "missing"]);
+    refused("a.obj", b"o a\nv 0 0 \xFF\nf 1 1 1\n", &["line 2", "not a number"]);
+}
+
+#[test]
+fn obj_indices_that_a_lenient_reader_would_take_are_refused() {
+    let file = |face: &str| format!("{TRIANGLE}vt 0 0\nvn 0 0 1\nf {face}\n");
+    for (corner, words) in [
+        ("3/0", &["\"3/0\""]),
+        ("3//0", &["\"3//0\""]),
+        ("3/-2", &["\"3/-2\""]),
+        ("3//-2", &["\"3//-2\""]),
+        ("3/-9223372036854775807", &["no corner"]),
+        ("3/9223372036854775809", &["no corner"]),
+        ("3//6148914691236517207", &["normal 6148914691236517207, but the file has only 1"]),
+        ("3/2147483647", &["texture coordinate 2147483647, but the file has only 1"]),
+        ("3//2", &["normal 2, but the file has only 1"]),
+        ("3/1/1/1", &["\"3/1/1/1\""]),
+        ("/1/1", &["\"/1/1\""]),
+    ] {
+        refused("a.obj", file(&format!("1 2 {corner}")), words);
+        refused("a.obj", file(&format!("1 2 {corner}")), &["line 6"]);
+    }
 }
 
 #[test]

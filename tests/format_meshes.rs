@@ -112,6 +112,50 @@ fn obj_lines_points_and_thin_faces_are_left_out_with_a_note() {
     assert_eq!(model.source.notes.len(), 2, "a note for each kind: {:?}", model.source.notes);
 }
 
+#[test]
+fn obj_vertices_keep_the_order_of_the_file() {
+    // Used backwards, one not at all, one repeated, and faces before their vertices.
+    let model =
+        read("a.obj", "f 5/2 3/3 2/1\nf 2 1 5\nv 0 0 0\nv 1 0 0\nv 2 2 0\nv 7 7 7\nv 1 0 0\nvt 0 1\nvt 1 1\nvt 1 0\nvt 5 5\n");
+    let expected = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 2.0, 0.0], [7.0, 7.0, 7.0], [1.0, 0.0, 0.0]];
+    assert_eq!(model.positions[..5], expected.map(Vec3::from_array), "all five, each in its place");
+    assert_eq!(model.faces[0], [4, 2, 1], "indices of the file");
+    let uvs = model.uvs.unwrap();
+    assert_eq!([uvs[4], uvs[2], uvs[1]], [Vec2::X, Vec2::ONE, Vec2::ZERO], "each corner its own texture coordinate");
+}
+
+#[test]
+fn obj_corners_without_attributes_borrow_none() {
+    let text = format!("{CUBE_FACE}v 3 0 0\nvt 0.5 0.25\nvn 1 0 0\nf 1/1/1 2/1/1 3/1/1\nf 5 3 4\nf 5//1 2/1 1\n");
+    let model = read("a.obj", text);
+    let (uvs, normals) = (model.uvs.unwrap(), model.normals.unwrap());
+    let at = |face: usize, corner: usize| model.faces[face][corner] as usize;
+    assert_eq!([uvs[at(0, 2)], uvs[at(1, 1)]], [Vec2::new(0.5, 0.75), Vec2::ZERO], "vertex 3 has one in the first face only");
+    assert_eq!([uvs[at(2, 0)], uvs[at(2, 1)], uvs[at(2, 2)]], [Vec2::ZERO, Vec2::new(0.5, 0.75), Vec2::ZERO], "within a face");
+    assert_eq!([normals[at(0, 0)], normals[at(2, 0)]], [Vec3::X; 2], "normals where the file has them");
+    assert_eq!(normals[at(1, 2)].x, 0.0, "elsewhere those of the faces around: {}", normals[at(1, 2)]);
+    let bare = read("a.obj", format!("{CUBE_FACE}vt 0 0\nvn 0 0 1\nf 1 2 3\n"));
+    assert_eq!((bare.uvs, bare.normals), (None, None), "no corner has any");
+}
+
+#[test]
+fn obj_weights_do_not_move_vertices_and_colours_may_be_missing() {
+    let model = read("a.obj", "v 2 0 0 0\nv 4 0 0 2\nv 0 6 0 3 3\nf 1 2 3\n");
+    assert_eq!(model.positions[1..], [Vec3::X * 4.0, Vec3::Y * 6.0], "weights are for curves");
+    let model = read("a.obj", "v 0 0 0\nv 1 0 0 255 0 0 128\nv 0 1 0 a b c\nf 1 2 3\n");
+    let expected = [Vec4::ONE, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::ONE];
+    assert_eq!(model.colors.unwrap(), expected, "vertices without a colour are white");
+}
+
+#[test]
+fn obj_names_may_be_in_any_encoding() {
+    let mut file = b"# caf\xE9\no b\xE9ton\n".to_vec();
+    file.extend(format!("{CUBE_FACE}usemtl\n\x0busemtl x\nusemtl\ttabbed name\nf 1 2 3\n").bytes());
+    let model = read("a.obj", file);
+    assert_eq!(model.groups[0].object, "b\u{FFFD}ton", "what is not UTF-8 is replaced");
+    assert_eq!(model.groups[0].material, "tabbed name", "a tab ends the word as well");
+}
+
 // ---- PLY
 
 /// The same little mesh in each encoding, with numbers of many types.
