@@ -1,0 +1,188 @@
+//! The commands at work: what they write, what they say, and that it can be read again.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+#[path = "common/program.rs"]
+mod program;
+
+use program::{Place, text};
+use serde_json::Value;
+
+fn succeeds(place: &Place, args: &[&str]) -> (String, String) {
+    let out = place.run(args);
+    let (stdout, stderr) = (text(&out.stdout), text(&out.stderr));
+    assert_eq!(out.status.code(), Some(0), "{args:?}: {stderr}");
+    (stdout, stderr)
+}
+
+fn json(place: &Place, name: &str) -> Value {
+    serde_json::from_slice(&std::fs::read(place.path(name)).unwrap()).unwrap()
+}
+
+#[test]
+fn paste_writes_a_record_a_picture_and_a_report_and_nothing_else() {
+    let place = Place::new();
+    let args = ["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--preview", "out/a.png", "--preview-size", "200x160"];
+    let (stdout, stderr) = succeeds(&place, &[&args[..], &["--report", "out/a.json"]].concat());
+    assert_eq!(place.files("out"), ["a.glb", "a.json", "a.png"], "files written");
+    assert!(stdout.contains("out/a.glb") && stdout.contains("draws per face"), "the result is summed up: {stdout}");
+    assert!(!stderr.contains("error") && !stderr.contains("panicked"), "{stderr}");
+    let picture = image::open(place.path("out/a.png")).unwrap();
+    assert_eq!((picture.width(), picture.height()), (200, 160), "size of the picture");
+    let report = json(&place, "out/a.json");
+    assert_eq!(report["command"], "paste", "the report names the command");
+    assert!(report["paste"]["least_alpha"].as_f64().unwrap() >= 0.98, "{report}");
+    assert!(report["paste"]["draws_per_face"].as_f64().unwrap() >= 1.0, "{report}");
+    // Another reader of glTF opens it as the plain mesh.
+    let (document, buffers, _) = gltf::import(place.path("out/a.glb")).unwrap();
+    let primitive = document.meshes().next().unwrap().primitives().next().unwrap();
+    let indices = primitive.reader(|b| Some(&buffers[b.index()])).read_indices().unwrap().into_u32().count();
+    let record = lapped::format::read_record(&place.path("out/a.glb")).unwrap();
+    assert_eq!(indices, 3 * record.model.faces.len(), "faces of the plain mesh");
+    assert!(!record.lapped.pastes.is_empty(), "pastes");
+}
+
+#[test]
+fn options_of_paste_take_effect() {
+    let place = Place::new();
+    place.write("field.json", r#"{"version": 1, "constraints": [{"position": [1, 0, 0], "direction": [0, 0, 1], "scale": 0.5}]}"#);
+    place.write("outline.json", "[[0.1, 0.1], [0.9, 0.1], [0.5, 0.9]]");
+    place.write("scales.json", r#"{"version": 1, "constraints": [{"face": 0, "scale": 2}]}"#);
+    let lines: [&[&str]; 12] = [
+        &["--scale", "0.5"],
+        &["--ratio", "12", "--up", "-x"],
+        &["--up", "1,2,3", "--patch", "whole"],
+        &["--field", "none", "--patch", "circle", "--isotropic-fit", "conformal"],
+        &["--field", "none", "--scale-field", "scales.json", "--isotropic-fit", "propagated"],
+        &["--field", "field.json", "--keep-faces"],
+        &["--patch", "outline.json", "--feather", "1"],
+        &["--patch", "rust.png", "--patch", "circle"],
+        &["--predictor", "maillot", "--fit-weights", "uniform", "--distortion", "0.6"],
+        &["--no-sort", "--no-cull", "--weld", "0.001", "--threads", "1"],
+        &["--splotches", "1", "--seed", "18446744073709551615", "--color-only"],
+        &["--quiet", "rust.png", "--weights", "1,3"],
+    ];
+    let mut seen = Vec::new();
+    for extra in lines {
+        let args = [&["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--report", "out/a.json"], extra].concat();
+        let (stdout, _) = succeeds(&place, &args);
+        assert_eq!(stdout.is_empty(), extra.contains(&"--quiet"), "{extra:?} says {stdout:?}");
+        assert!(json(&place, "out/a.json")["paste"]["least_alpha"].as_f64().unwrap() >= 0.98, "{extra:?}: covered");
+        let bytes = std::fs::read(place.path("out/a.glb")).unwrap();
+        assert!(!seen.contains(&bytes), "{extra:?} changed nothing");
+        seen.push(bytes);
+    }
+    let wide = lapped::format::read_record(&place.path("out/a.glb")).unwrap();
+    assert_eq!(wide.lapped.exemplars.len(), 2, "two exemplars in the last one");
+}
+
+#[test]
+fn render_draws_records_and_bare_meshes() {
+    let place = Place::new();
+    succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
+    let mut pictures = Vec::new();
+    let styles: [&[&str]; 5] =
+        [&[], &["--style", "pastes"], &["--style", "field"], &["--camera", "front", "--samples", "1"], &["--camera", "yaw=30,pitch=15,zoom=1.2", "--transparent"]];
+    for (i, extra) in styles.into_iter().enumerate() {
+        let out = format!("out/{i}.png");
+        succeeds(&place, &[&["render", "out/a.glb", "-o", &out, "--size", "160x120"], extra].concat());
+        let picture = image::open(place.path(&out)).unwrap().into_rgba8();
+        assert_eq!(picture.dimensions(), (160, 120), "size with {extra:?}");
+        assert!(!pictures.contains(&picture), "{extra:?} drew what another one drew");
+        pictures.push(picture);
+    }
+    assert!(pictures[4].pixels().any(|p| p[3] == 0) && pictures[3].pixels().all(|p| p[3] == 255), "--transparent");
+    succeeds(&place, &["render", "mesh.obj", "-o", "out/plain.png", "--size", "100x100", "--mode", "reference"]);
+    assert!(place.files("out").contains(&"plain.png".to_owned()), "a mesh without texture is drawn too");
+}
+
+#[test]
+fn inspect_tells_meshes_records_and_images_apart() {
+    let place = Place::new();
+    succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
+    for file in ["mesh.obj", "out/a.glb", "wood.png"] {
+        let (plain, _) = succeeds(&place, &["inspect", file]);
+        assert!(plain.lines().count() >= 3, "{file}: {plain}");
+        let (told, _) = succeeds(&place, &["inspect", file, "--json"]);
+        let value: Value = serde_json::from_str(&told).unwrap();
+        let kind = value["kind"].as_str().unwrap().to_owned();
+        let expected = if file == "mesh.obj" { "mesh" } else if file == "wood.png" { "exemplar" } else { "record" };
+        assert_eq!(kind, expected, "{file}");
+    }
+    let (told, _) = succeeds(&place, &["inspect", "mesh.obj"]);
+    assert!(told.contains('8'), "eight faces are told: {told}");
+}
+
+#[test]
+fn help_and_version_go_to_stdout_and_every_command_shows_examples() {
+    let place = Place::new();
+    let (help, _) = succeeds(&place, &["--help"]);
+    assert!(help.contains("Examples:") && help.contains("lapped paste"), "{help}");
+    for command in ["paste", "render", "inspect", "demo"] {
+        let (help, _) = succeeds(&place, &[command, "--help"]);
+        assert!(help.contains("Examples:") || command == "demo", "{command}: {help}");
+        assert!(help.contains("--threads") && help.contains("--report"), "{command}: {help}");
+    }
+    let (version, _) = succeeds(&place, &["--version"]);
+    assert!(version.contains(env!("CARGO_PKG_VERSION")), "{version}");
+}
+
+#[test]
+fn wrong_usage_exits_with_2_and_shows_usage() {
+    let place = Place::new();
+    let lines: [&[&str]; 10] = [
+        &[],
+        &["past"],
+        &["paste", "mesh.obj", "-o", "out/a.glb"],
+        &["paste", "mesh.obj", "wood.png"],
+        &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--scale", "large"],
+        &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--up", "0,0,0"],
+        &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--scale", "1", "--ratio", "3"],
+        &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--preview-size", "10by10"],
+        &["render", "mesh.obj", "-o", "out/a.png", "--camera", "yaw=up"],
+        &["render", "mesh.obj", "-o", "out/a.png", "--samples", "0"],
+    ];
+    for args in lines {
+        let out = place.run(args);
+        let stderr = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{args:?}: {stderr}");
+        assert!(stderr.contains("Usage:") || stderr.contains("--help"), "{args:?}: {stderr}");
+        assert!(out.stdout.is_empty() && !stderr.contains("panicked"), "{args:?}: {stderr}");
+    }
+    assert!(place.files("out").is_empty(), "nothing was written: {:?}", place.files("out"));
+}
+
+#[test]
+fn threads_change_no_byte_of_what_is_written() {
+    let place = Place::new();
+    for threads in ["1", "2", "3"] {
+        let out = format!("out/{threads}.glb");
+        succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", &out, "--ratio", "60", "--threads", threads, "--quiet"]);
+    }
+    let bytes = ["1", "2", "3"].map(|t| std::fs::read(place.path(&format!("out/{t}.glb"))).unwrap());
+    assert!(bytes[0] == bytes[1] && bytes[1] == bytes[2], "1, 2 and 3 threads write the same bytes");
+}
+
+#[test]
+fn demo_shows_every_model_and_the_method() {
+    let place = Place::new();
+    let (stdout, _) = succeeds(&place, &["demo", "-o", "out/demo", "--report", "out/demo.json"]);
+    let files = place.files("out/demo");
+    let records: Vec<_> = files.iter().filter(|f| f.ends_with(".glb")).collect();
+    assert!(records.len() >= 4 && files.contains(&"gallery.png".to_owned()), "{files:?}");
+    for style in ["pastes", "field", "coverage", "stretch", "wireframe"] {
+        assert!(files.iter().any(|f| f.ends_with(&format!("-{style}.png"))), "a picture of {style}: {files:?}");
+    }
+    assert!(files.iter().all(|f| !f.starts_with('.')), "no temporary file is left: {files:?}");
+    assert!(stdout.contains("gallery.png"), "it says where to look: {stdout}");
+    let report = json(&place, "out/demo.json");
+    for model in report["models"].as_array().unwrap() {
+        let name = model["name"].as_str().unwrap();
+        assert!(model["paste"]["least_alpha"].as_f64().unwrap() >= 0.98, "{name} is covered");
+        let record = lapped::format::read_record(&place.path(&format!("out/demo/{name}.glb"))).unwrap();
+        assert!(!record.lapped.pastes.is_empty(), "{name} has pastes");
+        let picture = image::open(place.path(&format!("out/demo/{name}.png"))).unwrap().into_rgb8();
+        let first = *picture.get_pixel(0, 0);
+        assert!(picture.pixels().any(|p| *p != first), "{name} was drawn");
+    }
+}
