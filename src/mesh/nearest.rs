@@ -103,7 +103,8 @@ impl<'m> Nearest<'m> {
     }
 
     fn leaf(&self, node: Node) -> &[u32] {
-        &self.faces[node.first as usize..][..node.count as usize]
+        // An inner node's `first` counts nodes, of which there are more than faces.
+        if node.count == 0 { &[] } else { &self.faces[node.first as usize..][..node.count as usize] }
     }
 
     /// The surface point nearest to a point; `None` only if the point is not finite.
