@@ -73,7 +73,8 @@ impl Guide {
     #[must_use]
     pub fn scale(&self, face: u32) -> f32 {
         match self {
-            Self::Directed(field) => field.up[face as usize].length(),
+            // In f64: the square of a length that f32 holds may be more, or less, than f32 holds.
+            Self::Directed(field) => field.up[face as usize].as_dvec3().length() as f32,
             Self::Isotropic { scale } => scale[face as usize],
         }
     }
