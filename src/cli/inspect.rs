@@ -3,7 +3,7 @@
 use super::{Common, report};
 use crate::exemplar::Channel;
 use crate::field::{DEFAULT_RATIO, default_scale};
-use crate::format::{ExemplarOptions, Model, Record, holds_record, read_exemplar, read_model_bytes, read_record_bytes};
+use crate::format::{ExemplarOptions, Model, Record, holds_record, read_exemplar, read_file, read_model_bytes, read_record_bytes};
 use crate::mesh::{CleanOptions, CleanReport, clean};
 use anyhow::Context;
 use clap::Args;
@@ -95,7 +95,7 @@ pub fn run(args: &InspectArgs) -> anyhow::Result<()> {
         let found = image_report(&exemplar, warnings.iter().map(ToString::to_string).collect());
         return show(args, &found, image_text(&found));
     }
-    let file = std::fs::read(&args.file).with_context(|| format!("{}: cannot be read", args.file.display()))?;
+    let file = read_file(&args.file, "the file")?;
     let (model, lapped) = if holds_record(&file) {
         let record = read_record_bytes(&args.file, &file)?;
         let lapped = lapped_report(&record);

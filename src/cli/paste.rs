@@ -5,12 +5,12 @@ use super::picture::{self, Size};
 use super::{Common, report};
 use crate::exemplar::{Channel, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
-use crate::format::{ExemplarOptions, read_exemplar, read_mask, read_model, write_record};
+use crate::format::{ExemplarOptions, check_output, read_exemplar, read_file, read_mask, read_model, write_record};
 use crate::job::{ExemplarInput, JobReport, PasteJob, Pasted, Scale, Steer, paste_model};
 use crate::mesh::CleanOptions;
 use crate::paste::{Composite, IsotropicFit, PasteOptions, Predictor, Weights};
 use crate::render::{PreviewStyle, Subject, View, preview};
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use glam::DVec3;
 use serde::Serialize;
@@ -183,6 +183,11 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
     let begin = Instant::now();
     let bar = Bar::new(args.common.quiet);
     let mut seconds = RunSeconds::default();
+    // What cannot be written is told before the work, not after it, and leaves nothing half done.
+    [Some(&args.output), args.preview.as_ref(), args.common.report.as_ref()]
+        .into_iter()
+        .flatten()
+        .try_for_each(|p| check_output(p))?;
     let job = job(args)?;
     let inputs = inputs(args)?;
     let model = read_model(&args.mesh)?;
@@ -301,7 +306,8 @@ fn steer(args: &PasteArgs) -> anyhow::Result<Steer> {
 }
 
 fn read_text(path: &Path) -> anyhow::Result<String> {
-    std::fs::read_to_string(path).with_context(|| format!("{}: cannot be read as text", path.display()))
+    let bytes = read_file(path, "the JSON file")?;
+    String::from_utf8(bytes).map_err(|_| anyhow!("{}: this is no text: name a JSON file", path.display()))
 }
 
 /// Exemplars with their patches.

@@ -4,7 +4,7 @@ use super::picture::{self, Size};
 use super::{Common, report};
 use crate::exemplar::ChannelSet;
 use crate::field::Guide;
-use crate::format::{holds_record, read_model_bytes, read_record_bytes};
+use crate::format::{check_output, holds_record, read_file, read_model_bytes, read_record_bytes};
 use crate::job::Bound;
 use crate::mesh::{CleanOptions, Mesh, SurfacePoint, clean};
 use crate::paste::Composite;
@@ -85,7 +85,7 @@ enum Shown {
 impl Shown {
     fn read(path: &Path) -> anyhow::Result<Self> {
         let name = || path.display().to_string();
-        let file = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        let file = read_file(path, "the record or mesh")?;
         if holds_record(&file) {
             return Ok(Self::Record(Box::new(Bound::new(read_record_bytes(path, &file)?).with_context(name)?)));
         }
@@ -113,6 +113,7 @@ impl SurfaceTexture for Bare<'_> {
 /// If the model cannot be read, lacks what the style shows, or the picture cannot be written.
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let begin = Instant::now();
+    [Some(&args.output), args.common.report.as_ref()].into_iter().flatten().try_for_each(|p| check_output(p))?;
     let name = || args.model.display().to_string();
     let shown = Shown::read(&args.model)?;
     let read_seconds = begin.elapsed().as_secs_f64();

@@ -22,7 +22,7 @@ pub enum FormatError {
         wanted: &'static str,
     },
     /// The operating system refuses to read it.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: cannot be read: {source}: check that it may be read", path.display())]
     Read {
         /// The file.
         path: PathBuf,

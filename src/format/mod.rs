@@ -22,7 +22,7 @@ mod text;
 pub use error::{FormatError, Warning};
 pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_exemplar_bytes, read_mask};
 pub use model::{FaceGroup, Model, Source};
-pub use output::write_file;
+pub use output::{check_output, write_file};
 pub use picture::save_image;
 pub use record::{Record, holds_record, read_record, read_record_bytes, write_record};
 
@@ -57,8 +57,11 @@ pub fn read_model_bytes(path: &Path, file: &[u8]) -> Result<Model, FormatError> 
     Ok(model)
 }
 
-/// The bytes of a file.
-fn read_file(path: &Path, wanted: &'static str) -> Result<Vec<u8>, FormatError> {
+/// The bytes of a file; `wanted` says in an error what to name instead of a folder.
+///
+/// # Errors
+/// If there is no such file, it is a folder, or it cannot be read.
+pub fn read_file(path: &Path, wanted: &'static str) -> Result<Vec<u8>, FormatError> {
     if path.is_dir() {
         return Err(FormatError::Folder { path: path.to_owned(), wanted });
     }

@@ -16,17 +16,49 @@ pub fn write_file(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
     write(path, content).map_err(|e| explain(path, &e))
 }
 
-fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+/// Says before the work whether [`write_file`] could write there, as far as that can be told without doing it.
+///
+/// # Errors
+/// As [`write_file`].
+pub fn check_output(path: &Path) -> Result<(), FormatError> {
+    let probe = || match target_of(path)? {
+        Target::Special(_) => Ok(()),
+        Target::File(target) => temporary_for(&target).map(drop),
+    };
+    probe().map_err(|e: io::Error| explain(path, &e))
+}
+
+/// What a path leads to.
+enum Target {
+    /// A file, there already or not.
+    File(PathBuf),
+    /// A pipe or a device.
+    Special(PathBuf),
+}
+
+fn target_of(path: &Path) -> io::Result<Target> {
     // A link stays a link: what it points to is replaced.
     let target = if path.is_symlink() { fs::canonicalize(path)? } else { path.to_owned() };
     match fs::metadata(&target) {
-        Ok(there) if there.is_dir() => return Err(ErrorKind::IsADirectory.into()),
-        Ok(there) if there.is_file() && there.permissions().readonly() => return Err(ErrorKind::ReadOnlyFilesystem.into()),
-        // Pipes and devices cannot be replaced by renaming.
-        Ok(there) if !there.is_file() => return fill(fs::File::create(&target)?, content).map(drop),
-        _ => {}
+        Ok(there) if there.is_dir() => Err(ErrorKind::IsADirectory.into()),
+        Ok(there) if there.is_file() && there.permissions().readonly() => Err(ErrorKind::ReadOnlyFilesystem.into()),
+        Ok(there) if !there.is_file() => Ok(Target::Special(target)),
+        _ => Ok(Target::File(target)),
     }
-    let folder = folder_of(&target);
+}
+
+fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let target = match target_of(path)? {
+        // Pipes and devices cannot be replaced by renaming.
+        Target::Special(target) => return fill(fs::File::create(&target)?, content).map(drop),
+        Target::File(target) => target,
+    };
+    let temporary = fill(temporary_for(&target)?, content)?;
+    temporary.persist(&target).map(drop).map_err(|e| e.error)
+}
+
+/// A temporary file in the folder of a file.
+fn temporary_for(target: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".lapped-").suffix(".tmp");
     #[cfg(unix)]
@@ -35,8 +67,7 @@ fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let temporary = fill(builder.tempfile_in(folder)?, content)?;
-    temporary.persist(&target).map(drop).map_err(|e| e.error)
+    builder.tempfile_in(folder_of(target))
 }
 
 fn fill<F: Write>(file: F, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<F> {
