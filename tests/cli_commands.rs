@@ -81,8 +81,13 @@ fn render_draws_records_and_bare_meshes() {
     let place = Place::new();
     succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
     let mut pictures = Vec::new();
-    let styles: [&[&str]; 5] =
-        [&[], &["--style", "pastes"], &["--style", "field"], &["--camera", "front", "--samples", "1"], &["--camera", "yaw=30,pitch=15,zoom=1.2", "--transparent"]];
+    let styles: [&[&str]; 5] = [
+        &[],
+        &["--style", "pastes"],
+        &["--style", "field"],
+        &["--camera", "front", "--samples", "1"],
+        &["--camera", "yaw=30,pitch=15,zoom=1.2", "--transparent"],
+    ];
     for (i, extra) in styles.into_iter().enumerate() {
         let out = format!("out/{i}.png");
         succeeds(&place, &[&["render", "out/a.glb", "-o", &out, "--size", "160x120"], extra].concat());
@@ -106,7 +111,13 @@ fn inspect_tells_meshes_records_and_images_apart() {
         let (told, _) = succeeds(&place, &["inspect", file, "--json"]);
         let value: Value = serde_json::from_str(&told).unwrap();
         let kind = value["kind"].as_str().unwrap().to_owned();
-        let expected = if file == "mesh.obj" { "mesh" } else if file == "wood.png" { "exemplar" } else { "record" };
+        let expected = if file == "mesh.obj" {
+            "mesh"
+        } else if file == "wood.png" {
+            "exemplar"
+        } else {
+            "record"
+        };
         assert_eq!(kind, expected, "{file}");
     }
     let (told, _) = succeeds(&place, &["inspect", "mesh.obj"]);

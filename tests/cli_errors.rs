@@ -58,8 +58,20 @@ fn a_mesh_that_cannot_be_read_is_told() {
     place.write("nan.ply", ply_with_nan());
     place.write("none.ply", "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n");
     let names = [
-        "missing.obj", "folder.obj", "index.obj", "nan.obj", "infinite.obj", "empty.obj", "points.obj", "flat.obj", "noise.glb",
-        "half.ply", "header.ply", "index.ply", "nan.ply", "none.ply",
+        "missing.obj",
+        "folder.obj",
+        "index.obj",
+        "nan.obj",
+        "infinite.obj",
+        "empty.obj",
+        "points.obj",
+        "flat.obj",
+        "noise.glb",
+        "half.ply",
+        "header.ply",
+        "index.ply",
+        "nan.ply",
+        "none.ply",
     ];
     for mesh in names {
         let told = refuses(&place, &paste(mesh, "wood.png", &[]), &[mesh]);
@@ -174,7 +186,10 @@ fn output_that_cannot_be_written_is_told_and_nothing_is_left() {
 #[test]
 fn a_picture_or_report_that_cannot_be_written_leaves_no_record_behind() {
     let place = Place::new();
-    eprintln!("{}", refuses(&place, &paste("mesh.obj", "wood.png", &["--preview", "nowhere/a.png", "--preview-size", "64x64"]), &["nowhere"]));
+    eprintln!(
+        "{}",
+        refuses(&place, &paste("mesh.obj", "wood.png", &["--preview", "nowhere/a.png", "--preview-size", "64x64"]), &["nowhere"])
+    );
     eprintln!("{}", refuses(&place, &paste("mesh.obj", "wood.png", &["--report", "nowhere/a.json"]), &["nowhere"]));
 }
 

@@ -64,7 +64,12 @@ fn the_compositor_agrees_with_the_definition_of_over() {
             covered = covered * (1.0 - alpha) + alpha;
         }
         let texel = composite.texel(at, 0.0);
-        assert!((texel.base_color - under / covered).abs().max_element() < 1.0 / 255.0, "{} or {}", texel.base_color, under / covered);
+        assert!(
+            (texel.base_color - under / covered).abs().max_element() < 1.0 / 255.0,
+            "{} or {}",
+            texel.base_color,
+            under / covered
+        );
     }
 }
 
@@ -79,7 +84,11 @@ fn draws_per_face_are_the_papers_at_its_texture_scales() {
             let before = done.report.paste.draws_before_cull;
             eprintln!("{mesh} {exemplar} ratio {ratio}: {draws:.2} draws per face, {before:.2} before culling");
             assert!((1.5..=3.2).contains(&draws), "{mesh} with {exemplar} at ratio {ratio}: {draws:.2} draws per face");
-            assert!((draws - done.report.paste.draws_per_face).abs() < 0.05, "{draws} told as {}", done.report.paste.draws_per_face);
+            assert!(
+                (draws - done.report.paste.draws_per_face).abs() < 0.05,
+                "{draws} told as {}",
+                done.report.paste.draws_per_face
+            );
             assert!(before > draws, "culling at ratio {ratio} removed nothing: {before} to {draws}");
         }
     }

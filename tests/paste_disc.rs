@@ -109,9 +109,11 @@ fn every_patch_laid_is_a_disc_in_one_piece() {
                     let counted = topology(&mesh, &disc.faces);
                     assert_eq!(counted, (1, 1, 1), "{name} at ratio {ratio}, seed {i}: Euler characteristic, loops, pieces");
                     assert!(disc.faces.contains(&seed.face), "the seed's face is in");
-                    let unlike = disc.faces.iter().zip(&disc.corners).find(|(f, c)| {
-                        c.map(|v| disc.vertices[v as usize]) != mesh.faces[**f as usize]
-                    });
+                    let unlike = disc
+                        .faces
+                        .iter()
+                        .zip(&disc.corners)
+                        .find(|(f, c)| c.map(|v| disc.vertices[v as usize]) != mesh.faces[**f as usize]);
                     assert!(unlike.is_none(), "{name}: a face's corners are others than the mesh's: {unlike:?}");
                     patches_seen += 1;
                     faces_seen += disc.faces.len();
@@ -237,8 +239,7 @@ fn fitted(weights: Weights, isotropic: IsotropicFit, mut take: impl FnMut(&Mesh,
         for guide in &guides(&mesh, ratio) {
             let mut taken = 0;
             for (i, &seed) in Points::new(&mesh).list(40).iter().enumerate() {
-                let laid =
-                    laid_with(&mesh, guide, shape, seed, Predictor::Field, FitChoice { weights, isotropic }, &mut scratch);
+                let laid = laid_with(&mesh, guide, shape, seed, Predictor::Field, FitChoice { weights, isotropic }, &mut scratch);
                 if (50..=600).contains(&laid.disc.vertices.len()) && taken < 5 {
                     taken += 1;
                     take(&mesh, guide, &laid, &format!("{name}, {} vertices, seed {i}", laid.disc.vertices.len()));

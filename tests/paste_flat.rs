@@ -11,9 +11,9 @@ use lapped::field::{Guide, TangentField};
 use lapped::format::Model;
 use lapped::format::srgb::encode;
 use lapped::job::{PasteJob, Pasted, Scale, Steer, paste_model};
+use lapped::mesh::Mesh;
 use lapped::mesh::disc::Scratch;
 use lapped::mesh::nearest::Nearest;
-use lapped::mesh::Mesh;
 use lapped::paste::grow::{PatchPlan, Predictor, Site};
 use lapped::paste::lay::{FitChoice, lay};
 use lapped::paste::{Composite, LappedTexture, Paste, PasteOptions};
@@ -111,7 +111,7 @@ fn overlapping_pastes_blend_as_computed_by_hand() {
             paste: PasteOptions { cull, ..PasteOptions::default() },
             ..PasteJob::default()
         };
-        let done = paste_model(&model, vec![input("scales", &[source.clone()])], &job, &Silent).unwrap();
+        let done = paste_model(&model, vec![input("scales", std::slice::from_ref(&source))], &job, &Silent).unwrap();
         let bound = opened(&done.record);
         let (mesh, lapped) = (&bound.mesh, &bound.lapped);
         let exemplar = &lapped.exemplars[0];

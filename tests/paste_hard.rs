@@ -21,7 +21,10 @@ fn survives(what: &str, model: &Model, exemplar: &str, scale: Scale) -> Pasted {
         let bound = opened(&done.record);
         let (least, at) = least_alpha(&bound.mesh, &bound.lapped, 30_000);
         let (told, draws) = (done.report.paste.least_alpha, draws_per_face(&bound.mesh, &bound.lapped));
-        eprintln!("{what}: {} pastes, {draws:.2} draws per face, least alpha {least:.4}, told {told:.4}", bound.lapped.pastes.len());
+        eprintln!(
+            "{what}: {} pastes, {draws:.2} draws per face, least alpha {least:.4}, told {told:.4}",
+            bound.lapped.pastes.len()
+        );
         assert!(least >= 0.98 && told >= 0.98, "{what}: alpha {least} at {at}, told as {told}");
         assert!(draws.is_finite() && draws >= 1.0, "{what}: {draws} draws per face");
         done
@@ -229,13 +232,15 @@ fn a_full_tangential_basis_shears_and_stretches_the_texture() {
 #[test]
 fn constraints_turn_the_texture_where_they_are() {
     let model = sheet(40, 4.0);
-    let wish = |x: f64, direction| Constraint { position: Some([x, 2.0, 0.0]), direction: Some(direction), ..Constraint::default() };
+    let wish =
+        |x: f64, direction| Constraint { position: Some([x, 2.0, 0.0]), direction: Some(direction), ..Constraint::default() };
     let text = constraints(vec![wish(0.0, [0.0, 1.0, 0.0]), wish(4.0, [1.0, 0.0, 0.0])]).to_json().unwrap();
     let steer = Steer::Constraints(Constraints::from_json(&text).unwrap(), DVec3::Y);
     let done = pasted(&model, "wood", &PasteJob { scale: Scale::World(0.5), steer, ..PasteJob::default() });
     let field = done.guide.field().unwrap();
     let near = |x: f64, axis: DVec3| {
-        let faces = (0..done.mesh.face_count() as u32).filter(|&f| (done.mesh.centroid(f) - DVec3::new(x, 2.0, 0.0)).length() < 0.3);
+        let faces =
+            (0..done.mesh.face_count() as u32).filter(|&f| (done.mesh.centroid(f) - DVec3::new(x, 2.0, 0.0)).length() < 0.3);
         faces.map(|f| field.up[f as usize].as_dvec3().angle_between(axis).to_degrees()).fold(0.0, f64::max)
     };
     assert!(near(0.0, DVec3::Y) < 5.0 && near(4.0, DVec3::X) < 5.0, "{} {} degrees", near(0.0, DVec3::Y), near(4.0, DVec3::X));
