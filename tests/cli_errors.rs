@@ -8,9 +8,9 @@ mod program;
 use program::{OCTAHEDRON, Place, text};
 
 /// Words with which a sentence says what to do.
-const REMEDIES: [&str; 21] = [
+const REMEDIES: [&str; 22] = [
     "give", "use ", "choose", "check", "name ", "export", "create", "copy", "free ", "rename", "resize", "see ", "try ", "read ",
-    "write ", "convert", "save ", "set ", "remove", "is usual", "pass ",
+    "write ", "convert", "save ", "set ", "remove", "is usual", "expected", "repair",
 ];
 
 /// Runs a command that must fail on its input: exit code 1, one sentence on stderr that contains all of `names` and what to
@@ -157,12 +157,13 @@ fn files_of_options_that_are_wrong_are_told() {
     place.write("field.json", r#"{"version": 1, "up": [[0, 1, 0]]}"#);
     place.write("line.json", "[[0, 0], [1, 1]]");
     place.write("cross.json", "[[0, 0], [1, 1], [1, 0], [0, 1]]");
-    for file in ["missing.json", "broken.json", "version.json", "key.json", "field.json"] {
+    for file in ["missing.json", "broken.json", "version.json", "key.json"] {
         eprintln!("{}", refuses(&place, &paste("mesh.obj", "wood.png", &["--field", file]), &[file]));
     }
     for file in ["missing.json", "broken.json", "line.json", "cross.json", "missing.png"] {
         eprintln!("{}", refuses(&place, &paste("mesh.obj", "wood.png", &["--patch", file]), &[file]));
     }
+    refuses(&place, &paste("mesh.obj", "wood.png", &["--field", "field.json"]), &["the field has 1 vectors"]);
     refuses(&place, &paste("mesh.obj", "wood.png", &["--patch", "square"]), &["square"]);
     refuses(&place, &paste("mesh.obj", "wood.png", &["--scale-field", "key.json"]), &["--scale-field"]);
 }

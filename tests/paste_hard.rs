@@ -133,7 +133,9 @@ fn needles_are_covered() {
     let mut plate = Model::default();
     let n = 400;
     for k in 0..=n {
-        plate.positions.extend([Vec3::new(k as f32 * 0.0005, 0.0, 0.0), Vec3::new(k as f32 * 0.0005, 1.0, 0.02 * (k % 3) as f32)]);
+        plate
+            .positions
+            .extend([Vec3::new(k as f32 * 0.0005, 0.0, 0.0), Vec3::new(k as f32 * 0.0005, 1.0, 0.0002 * (k % 3) as f32)]);
     }
     plate.faces = (0..n).flat_map(|k| [[2 * k, 2 * k + 2, 2 * k + 1], [2 * k + 1, 2 * k + 2, 2 * k + 3]]).collect();
     survives("plate of needles", &plate, "fur", Scale::World(0.3));
