@@ -1,7 +1,7 @@
 //! Pasting ends, and with a whole cover, on input that no texture was meant for; and each way of steering does what it
 //! says.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may fail by panicking, and tells its figures")]
 
 mod common;
 
