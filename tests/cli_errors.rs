@@ -8,9 +8,9 @@ mod program;
 use program::{OCTAHEDRON, Place, text};
 
 /// Words with which a sentence says what to do.
-const REMEDIES: [&str; 22] = [
+const REMEDIES: [&str; 23] = [
     "give", "use ", "choose", "check", "name ", "export", "create", "copy", "free ", "rename", "resize", "see ", "try ", "read ",
-    "write ", "convert", "save ", "set ", "remove", "is usual", "expected", "repair",
+    "write ", "convert", "save ", "set ", "remove", "is usual", "expected", "repair", "put ",
 ];
 
 /// Runs a command that must fail on its input: exit code 1, one sentence on stderr that contains all of `names` and what to

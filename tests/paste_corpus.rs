@@ -23,8 +23,8 @@ const POINTS: usize = 1_000_000;
 /// An isotropic, a structured and an anisotropic exemplar, each with the ratio of surface to exemplar area it is laid at.
 fn kinds() -> [(&'static str, Steer, f64); 3] {
     [
-        ("pebbles.jpg", Steer::Isotropic(None), 10.0),
-        ("brick.png", Steer::Up(DVec3::Y), 20.0),
+        ("pebbles.jpg", Steer::Isotropic(None), 20.0),
+        ("brick.png", Steer::Up(DVec3::Y), 30.0),
         ("stripes-128.png", Steer::Up(DVec3::Z), 40.0),
     ]
 }
@@ -36,7 +36,8 @@ fn input(folder: &Path, name: &str) -> ExemplarInput {
 
 fn meshes(folder: &Path) -> Vec<PathBuf> {
     let mut all: Vec<PathBuf> = std::fs::read_dir(folder.join("meshes")).unwrap().map(|e| e.unwrap().path()).collect();
-    all.sort();
+    // Small ones first: what is wrong shows early.
+    all.sort_by_key(|path| (path.metadata().unwrap().len(), path.clone()));
     all
 }
 

@@ -249,7 +249,7 @@ pub enum ExemplarError {
         remedy: String,
     },
     /// An outline that is no polygon.
-    #[error("the outline {what}: {reason}")]
+    #[error("the outline {what}: {reason}: give simple polygons as lists of [x, y]")]
     BadOutline {
         /// Where it came from.
         what: String,

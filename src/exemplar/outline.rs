@@ -86,7 +86,7 @@ impl Outline {
             return bad(format!("reaches more than {FARTHEST_CORNER} exemplar sizes far: give pixels, or fractions of the size"));
         }
         if let Some([i, j]) = self_crossing(&points) {
-            return bad(format!("crosses or touches itself (sides {} and {}): draw a simple polygon", i + 1, j + 1));
+            return bad(format!("crosses or touches itself (sides {} and {})", i + 1, j + 1));
         }
         if (high - low).min_element() < SMALLEST_OUTLINE || signed_area(&points).abs() < SMALLEST_OUTLINE * SMALLEST_OUTLINE {
             return bad(format!(

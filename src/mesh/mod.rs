@@ -51,7 +51,9 @@ pub enum MeshError {
         vertex: usize,
     },
     /// All faces were degenerate.
-    #[error("none of the {count} faces has any area: nothing can be pasted on this mesh")]
+    #[error(
+        "none of the {count} faces has any area, so nothing can be pasted on this mesh: check its coordinates, or export it again"
+    )]
     NoArea {
         /// How many faces were looked at.
         count: usize,
