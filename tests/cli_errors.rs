@@ -1,6 +1,7 @@
 //! What cannot be done is told in one clear sentence, with exit code 1, and nothing is left behind.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
 #[path = "common/program.rs"]
 mod program;

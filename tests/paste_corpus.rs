@@ -2,7 +2,8 @@
 //!
 //! `LAPPED_CORPUS` names the folder; without it there is nothing to test here.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may fail by panicking, and tells its figures")]
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
 mod common;
 

@@ -1,6 +1,7 @@
 //! Coverage of whole jobs as the written file has it: no hole, few draws, and nothing that order or culling changes.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
 mod common;
 

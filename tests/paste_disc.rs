@@ -1,6 +1,7 @@
 //! Every surface patch that is laid is a disc, and a fit of it is the minimum that a direct solver finds.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
 mod common;
 

@@ -1,6 +1,7 @@
 //! On a flat sheet under a constant field pasting is exact, and moving the input moves the result along.
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
 mod common;
 

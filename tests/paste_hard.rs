@@ -1,7 +1,8 @@
 //! Pasting ends, and with a whole cover, on input that no texture was meant for; and each way of steering does what it
 //! says.
 
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may fail by panicking, and tells its figures")]
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
 mod common;
 
