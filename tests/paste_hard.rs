@@ -45,14 +45,14 @@ fn tetrahedron() -> Model {
 
 #[test]
 fn a_single_triangle_is_covered_whether_smaller_or_larger_than_the_patch() {
-    for length in [0.1, 1.0, 100.0] {
+    for length in [0.25, 1.0, 100.0] {
         survives(&format!("triangle, scale {length}"), &triangle(), "wood", Scale::World(length));
     }
 }
 
 #[test]
 fn a_closed_mesh_smaller_than_a_patch_is_covered() {
-    for length in [0.5, 3.0, 40.0] {
+    for length in [1.0, 3.0, 40.0] {
         survives(&format!("tetrahedron, scale {length}"), &tetrahedron(), "bark", Scale::World(length));
     }
 }
@@ -60,7 +60,7 @@ fn a_closed_mesh_smaller_than_a_patch_is_covered() {
 #[test]
 fn a_component_of_two_faces_is_covered() {
     let fold = model_of(vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(0.8, 0.7, 0.6)], vec![[0, 1, 2], [2, 1, 3]]);
-    for ratio in [0.1, 4.0, 40.0] {
+    for ratio in [0.1, 4.0, 20.0] {
         survives(&format!("two faces, ratio {ratio}"), &fold, "moss", Scale::Ratio(ratio));
     }
 }
@@ -74,7 +74,7 @@ fn two_thousand_components_are_each_covered() {
         model.positions.extend(tetrahedron().positions.iter().map(|p| *p * (0.2 + (k % 9) as f32 * 0.1) + at));
         model.faces.extend(tetrahedron().faces.iter().map(|f| f.map(|v| v + first)));
     }
-    let done = survives("2000 tetrahedra", &model, "rust", Scale::World(2.0));
+    let done = survives("2000 tetrahedra", &model, "rust", Scale::World(6.0));
     assert_eq!(done.report.clean.components, 2000, "components");
 }
 
