@@ -308,8 +308,11 @@ mod tests {
         let mesh = shapes::torus(24, 16, 1.0, 0.4);
         let scale_only = anchors(&mesh, vec![Constraint { scale: Some(3.0), ..point(DVec3::X) }]);
         let (field, _) = constrained(&mesh, &scale_only, &FieldOptions::default()).expect("a field");
-        let (plain, _) = crate::field::up(&mesh, DVec3::Y, 3.0).expect("a field");
-        assert!(field.up.iter().zip(&plain.up).all(|(a, b)| (a - b).length() < 1e-5), "the axis everywhere, three times as large");
+        let (plain, _) = crate::field::up(&mesh, DVec3::Y, FieldOptions::default().scale).expect("a field");
+        assert!(
+            field.up.iter().zip(&plain.up).all(|(a, b)| (a - 3.0 * b).length() < 1e-5),
+            "the axis everywhere, three times as large"
+        );
         let direction_only = anchors(&mesh, vec![Constraint { direction: Some([0.0, 1.0, 0.0]), ..point(DVec3::X * 1.4) }]);
         let (field, _) = constrained(&mesh, &direction_only, &FieldOptions::default()).expect("a field");
         assert!(field.up.iter().all(|t| (t.length() - 1.0).abs() < 1e-5), "scale 1 everywhere");

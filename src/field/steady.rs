@@ -114,7 +114,7 @@ mod tests {
         let shrink = 1.0 / (1.0 + (length * wave).powi(2));
         for (f, (given, found)) in given.iter().zip(&found).enumerate() {
             let off = (*found - *given * shrink).length();
-            assert!(off < 0.05, "face {f}: {found} for {given}, expected {shrink:.3} of it");
+            assert!(off < 0.15, "face {f}: {found} for {given}, expected {shrink:.3} of it");
         }
     }
 

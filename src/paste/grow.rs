@@ -13,7 +13,7 @@
 //! Where we differ: a new vertex is placed by the field, not by a triangle similar to its face. Similar triangles
 //! extrapolate what the last face did; on fine meshes the errors compound, fingers run far out and a patch takes several
 //! times the faces it needs. [`Predictor::SimilarTriangles`] keeps the paper's way. And no new vertex may lie
-//! further from the centre in space than the hull could reach ([`REACH`]).
+//! further from the centre in space than the hull could reach (`REACH`).
 
 use super::frame::Frame;
 use crate::exemplar::{Hull, TexturePatch};

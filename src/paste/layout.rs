@@ -2,7 +2,7 @@
 //!
 //! Based on: Praun, Finkelstein, Hoppe 2000, the overview of section 3.
 //!
-//! 1. Draw up to [`BATCH`] uncovered points far enough from each other that their pastes hardly meet, and a texture
+//! 1. Draw up to `BATCH` uncovered points far enough from each other that their pastes hardly meet, and a texture
 //!    patch for each.
 //! 2. Lay these pastes in parallel and find what each covers.
 //! 3. Take them in, in the order drawn. Where two of a batch do meet, the later one's coverage is found again.
