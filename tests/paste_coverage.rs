@@ -87,7 +87,7 @@ fn the_compositor_agrees_with_the_definition_of_over() {
 fn draws_per_face_are_the_papers_at_its_texture_scales() {
     for (mesh, exemplar) in [("dragonling", "scales"), ("knot", "weave"), ("vase", "bricks")] {
         let model = lapped::assets::mesh(mesh).unwrap();
-        for ratio in [40.0, 160.0] {
+        for ratio in [80.0, 160.0] {
             let done = pasted(&model, exemplar, &job(ratio, Steer::default()));
             let Bound { mesh: found, lapped, .. } = opened(&done.record);
             let draws = draws_per_face(&found, &lapped);

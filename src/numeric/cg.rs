@@ -31,11 +31,29 @@ impl Preconditioner for Jacobi {
     }
 }
 
-/// When to stop.
+/// When an answer is good enough.
+#[derive(Debug, Clone, Copy)]
+pub enum Stop {
+    /// Once the residual is this small against the right-hand side.
+    Residual(f64),
+    /// Once hardly anything is left to gain in `x A x - 2 b x + constant`, the functional that the solution minimises.
+    /// What is left is estimated by `r M r`, with `M` the preconditioner: exact for a perfect one, too small by the least
+    /// eigenvalue of `M A` for another.
+    Gain {
+        /// The functional at the start.
+        start: f64,
+        /// Stop when less than this share of its present value is left to gain, ...
+        share: f64,
+        /// ... or less than this.
+        floor: f64,
+    },
+}
+
+/// When to stop, and what the matrix is.
 #[derive(Debug, Clone, Copy)]
 pub struct CgOptions {
-    /// Residual relative to the right-hand side at which an answer is good enough.
-    pub tolerance: f64,
+    /// When an answer is good enough.
+    pub stop: Stop,
     /// Iterations at most.
     pub max_iterations: usize,
     /// True if the matrix couples the two right-hand sides, which are then one system of twice the size.
@@ -85,14 +103,25 @@ pub fn solve(
         let rr = dot(r, r, false);
         if size > 0.0 { (rr[0] + rr[1]).sqrt() / size } else { 0.0 }
     };
-    let mut stats = CgStats { iterations: 0, residual: relative(&r) };
-    while stats.residual > options.tolerance && stats.iterations < options.max_iterations {
+    let mut value = if let Stop::Gain { start, .. } = options.stop { start } else { 0.0 };
+    let mut stats = CgStats::default();
+    loop {
+        stats.residual = relative(&r);
+        let left = if coupled { rz[0] } else { rz[0] + rz[1] };
+        let done = match options.stop {
+            Stop::Residual(tolerance) => stats.residual <= tolerance,
+            Stop::Gain { share, floor, .. } => left <= (share * value).max(floor),
+        };
+        if done || stats.iterations >= options.max_iterations {
+            return stats;
+        }
         matrix(&direction, &mut product);
         let curvature = dot(&direction, &product, coupled);
         let step = [0, 1].map(|i| if curvature[i] > 0.0 { rz[i] / curvature[i] } else { 0.0 });
         if step == [0.0; 2] {
-            break;
+            return stats;
         }
+        value -= if coupled { step[0] * rz[0] } else { step[0] * rz[0] + step[1] * rz[1] };
         for i in 0..n {
             for k in 0..2 {
                 x[i][k] += step[k] * direction[i][k];
@@ -107,7 +136,5 @@ pub fn solve(
         }
         rz = new;
         stats.iterations += 1;
-        stats.residual = relative(&r);
     }
-    stats
 }

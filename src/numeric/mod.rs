@@ -7,7 +7,7 @@ pub mod cg;
 pub mod multigrid;
 pub mod sparse;
 
-pub use cg::{CgOptions, CgStats, Jacobi, Preconditioner, solve};
+pub use cg::{CgOptions, CgStats, Jacobi, Preconditioner, Stop, solve};
 pub use multigrid::Multigrid;
 pub use sparse::Sparse;
 

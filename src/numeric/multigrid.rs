@@ -35,11 +35,12 @@ const RIDGE: f64 = 1e-10;
 
 #[derive(Debug, Clone)]
 struct Level {
+    /// Rows in the order that [`Sparse::split_rows`] brings them into.
     matrix: Sparse,
+    middle: Vec<u32>,
     diagonal: Vec<f64>,
     /// From this level's unknowns (rows) to the next coarser one's (columns).
     prolong: Sparse,
-    residual: Vec<Pair>,
     coarse_residual: Vec<Pair>,
     coarse: Vec<Pair>,
 }
@@ -75,12 +76,12 @@ impl Multigrid {
             }
             let prolong = smoothed_prolongation(&matrix, &diagonal, &aggregate, count);
             let coarse = prolong.transposed().product(&matrix.product(&prolong));
-            let n = matrix.rows();
+            let middle = matrix.split_rows();
             levels.push(Level {
                 matrix,
+                middle,
                 diagonal,
                 prolong,
-                residual: vec![[0.0; 2]; n],
                 coarse_residual: vec![[0.0; 2]; count],
                 coarse: vec![[0.0; 2]; count],
             });
@@ -113,17 +114,21 @@ fn cycle(levels: &mut [Level], coarsest: &Coarsest, rhs: &[Pair], x: &mut [Pair]
         }
         return;
     };
-    let Level { matrix, diagonal, prolong, residual, coarse_residual, coarse } = level;
+    let Level { matrix, middle, diagonal, prolong, coarse_residual, coarse } = level;
     let n = matrix.rows();
+    // Forward from zero: what stands past the diagonal does not count yet, ...
     x.fill([0.0; 2]);
-    (0..n).for_each(|i| relax(matrix, diagonal, rhs, x, i));
-    coarse_residual.fill([0.0; 2]);
-    matrix.times(x, residual);
     for i in 0..n {
-        let r = [rhs[i][0] - residual[i][0], rhs[i][1] - residual[i][1]];
+        let sum = matrix.row_times_up_to(i, middle[i], x);
+        x[i] = [(rhs[i][0] - sum[0]) / diagonal[i], (rhs[i][1] - sum[1]) / diagonal[i]];
+    }
+    // ... and is all that is left of the residual.
+    coarse_residual.fill([0.0; 2]);
+    for i in 0..n {
+        let r = matrix.row_times_past(i, middle[i], x);
         for (c, w) in prolong.row(i) {
-            coarse_residual[c][0] += w * r[0];
-            coarse_residual[c][1] += w * r[1];
+            coarse_residual[c][0] -= w * r[0];
+            coarse_residual[c][1] -= w * r[1];
         }
     }
     cycle(coarser, coarsest, coarse_residual, coarse);
@@ -148,13 +153,18 @@ fn positive_diagonal(matrix: &Sparse) -> Vec<f64> {
     matrix.diagonal().into_iter().map(|d| if d > 0.0 { d } else { 1.0 }).collect()
 }
 
+/// True if unknowns i and j pull each other together. Entries of the other sign (obtuse angles) push them apart, and say
+/// nothing of which unknowns move alike.
+#[inline]
+fn is_strong(diagonal: &[f64], i: usize, j: usize, v: f64) -> bool {
+    j != i && v < 0.0 && v * v > STRENGTH * STRENGTH * diagonal[i] * diagonal[j]
+}
+
 /// Aggregate of each unknown, and how many there are.
 fn aggregates(matrix: &Sparse, diagonal: &[f64]) -> (Vec<u32>, usize) {
     const FREE: u32 = u32::MAX;
     let n = matrix.rows();
-    let strong = |i: usize| {
-        matrix.row(i).filter(move |&(j, v)| j != i && v * v > STRENGTH * STRENGTH * diagonal[i] * diagonal[j]).map(|(j, _)| j)
-    };
+    let strong = |i: usize| matrix.row(i).filter(move |&(j, v)| is_strong(diagonal, i, j, v)).map(|(j, _)| j);
     let mut of = vec![FREE; n];
     let mut count = 0_u32;
     // Whole neighbourhoods first.
@@ -189,15 +199,30 @@ fn aggregates(matrix: &Sparse, diagonal: &[f64]) -> (Vec<u32>, usize) {
     (of, count as usize)
 }
 
-/// `(I - SMOOTHING D^-1 A) P0`, where `P0` is constant on each aggregate.
+/// `(I - SMOOTHING D^-1 F) P0`, where `P0` is constant on each aggregate and `F` is the matrix without its weak entries,
+/// which are added to the diagonal instead: rows still sum to what they did, and the coarse matrix stays sparse.
 fn smoothed_prolongation(matrix: &Sparse, diagonal: &[f64], aggregate: &[u32], count: usize) -> Sparse {
     let mut out = Sparse::with_capacity(count, matrix.rows(), 3 * matrix.rows());
     let mut row: Vec<(u32, f64)> = Vec::new();
     for i in 0..matrix.rows() {
         row.clear();
-        row.push((aggregate[i], 1.0));
+        let (mut total, mut strong) = (0.0, 0.0);
         for (j, v) in matrix.row(i) {
-            let weight = -SMOOTHING * v / diagonal[i];
+            total += v;
+            if is_strong(diagonal, i, j, v) {
+                strong += v;
+            }
+        }
+        // Of a row that sums to nothing the diagonal is what balances the strong entries.
+        let own = total - strong;
+        if !(own > 0.0) {
+            out.push(aggregate[i], 1.0);
+            out.end_row();
+            continue;
+        }
+        row.push((aggregate[i], 1.0 - SMOOTHING));
+        for (j, v) in matrix.row(i).filter(|&(j, v)| is_strong(diagonal, i, j, v)) {
+            let weight = -SMOOTHING * v / own;
             match row.iter_mut().find(|(c, _)| *c == aggregate[j]) {
                 Some(entry) => entry.1 += weight,
                 None => row.push((aggregate[j], weight)),
@@ -268,7 +293,7 @@ impl Cholesky {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{CgOptions, Jacobi, solve};
+    use super::super::{CgOptions, Jacobi, Stop, solve};
     use super::*;
     use crate::random::Random;
 
@@ -301,7 +326,7 @@ mod tests {
         let mut rhs = vec![[0.0; 2]; a.rows()];
         a.times(&truth, &mut rhs);
         let mut x = vec![[0.0; 2]; a.rows()];
-        let options = CgOptions { tolerance: 1e-10, max_iterations: 4000, coupled: false };
+        let options = CgOptions { stop: Stop::Residual(1e-10), max_iterations: 4000, coupled: false };
         let product = |x: &[Pair], out: &mut [Pair]| a.times(x, out);
         let stats = if multigrid {
             solve(product, &rhs, &mut x, &mut Multigrid::new(&a), options)

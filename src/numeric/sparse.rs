@@ -110,12 +110,7 @@ impl Sparse {
     #[inline]
     #[must_use]
     pub fn row_times(&self, row: usize, x: &[Pair]) -> Pair {
-        let mut sum = [0.0; 2];
-        for (c, v) in self.row(row) {
-            sum[0] += v * x[c][0];
-            sum[1] += v * x[c][1];
-        }
-        sum
+        self.range_times(self.start[row] as usize..self.start[row + 1] as usize, x)
     }
 
     /// The matrix times two vectors.
@@ -123,6 +118,61 @@ impl Sparse {
         for (row, out) in out.iter_mut().enumerate() {
             *out = self.row_times(row, x);
         }
+    }
+
+    /// Brings each row of a square matrix into the order: columns below the diagonal, the diagonal, columns above it. Returns
+    /// for each row where, among all entries, the columns above begin; `self.row` is in the new order from then on.
+    pub(super) fn split_rows(&mut self) -> Vec<u32> {
+        let mut above: Vec<(u32, f64)> = Vec::new();
+        (0..self.rows())
+            .map(|row| {
+                let range = self.start[row] as usize..self.start[row + 1] as usize;
+                above.clear();
+                let (mut put, mut own) = (range.start, None);
+                for k in range.clone() {
+                    let entry = (self.column[k], self.value[k]);
+                    match (entry.0 as usize).cmp(&row) {
+                        std::cmp::Ordering::Less => {
+                            (self.column[put], self.value[put]) = entry;
+                            put += 1;
+                        }
+                        std::cmp::Ordering::Equal => own = Some(entry),
+                        std::cmp::Ordering::Greater => above.push(entry),
+                    }
+                }
+                if let Some(entry) = own {
+                    (self.column[put], self.value[put]) = entry;
+                    put += 1;
+                }
+                for (k, &entry) in (put..range.end).zip(&above) {
+                    (self.column[k], self.value[k]) = entry;
+                }
+                put as u32
+            })
+            .collect()
+    }
+
+    /// The part of a row's product up to the diagonal, `middle` being what [`Self::split_rows`] returned for the row.
+    #[inline]
+    pub(super) fn row_times_up_to(&self, row: usize, middle: u32, x: &[Pair]) -> Pair {
+        self.range_times(self.start[row] as usize..middle as usize, x)
+    }
+
+    /// The part of a row's product past the diagonal.
+    #[inline]
+    pub(super) fn row_times_past(&self, row: usize, middle: u32, x: &[Pair]) -> Pair {
+        self.range_times(middle as usize..self.start[row + 1] as usize, x)
+    }
+
+    #[inline]
+    fn range_times(&self, range: std::ops::Range<usize>, x: &[Pair]) -> Pair {
+        let mut sum = [0.0; 2];
+        for (&c, v) in self.column[range.clone()].iter().zip(&self.value[range]) {
+            let x = x[c as usize];
+            sum[0] += v * x[0];
+            sum[1] += v * x[1];
+        }
+        sum
     }
 
     /// The transposed matrix.

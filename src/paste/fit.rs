@@ -22,14 +22,22 @@
 use super::frame::{Frame, singular_values};
 use crate::mesh::Mesh;
 use crate::mesh::disc::Disc;
-use crate::numeric::{CgOptions, Multigrid, Pair, Preconditioner, Sparse, solve};
+use crate::numeric::{CgOptions, Multigrid, Pair, Preconditioner, Sparse, Stop, solve};
 use glam::{DMat2, DVec2, DVec3};
 
-/// Conjugate gradients stop at this residual, relative to the right-hand side, for a fit that is recorded.
-const TOLERANCE: f64 = 1e-6;
+/// Conjugate gradients stop when no more than this share of the functional's value is left to gain, for a fit that is
+/// recorded: a hundredth of what anyone could measure, and far below a pixel.
+const LEFT: f64 = 1e-6;
 
-/// The same for a fit after which the patch may still grow: no coordinate is off by more than a fraction of a pixel.
-const LOOSE_TOLERANCE: f64 = 1e-3;
+/// The same for a fit after which the patch may still grow: no coordinate is off by more than a pixel or so.
+const LEFT_OF_DRAFT: f64 = 1e-3;
+
+/// Where the fit is (nearly) exact, a share of it says nothing: this little, against the functional of a map that shrinks
+/// everything to a point, moves no coordinate by a hundredth of a pixel.
+const NOTHING: f64 = 1e-10;
+
+/// Residual, relative to the right-hand side, at which the conformal functional is good enough.
+const CONFORMAL_TOLERANCE: f64 = 1e-6;
 
 /// Iterations at most; multigrid needs about 15, needle meshes up to a hundred.
 const MAX_ITERATIONS: usize = 500;
@@ -121,11 +129,16 @@ fn assemble(problem: &FitProblem, elements: &[Element]) -> Sparse {
     })
 }
 
-/// The right-hand side for targets phi(S), phi(T) = columns of `target(face)`.
-fn right_hand_side(unknowns: usize, corners: &[[u32; 3]], elements: &[Element], target: impl Fn(usize) -> DMat2) -> Vec<Pair> {
-    let mut rhs = vec![[0.0; 2]; unknowns];
-    for (i, corners) in corners.iter().enumerate() {
-        let (e, target) = (&elements[i], target(i));
+/// The right-hand side for targets phi(S), phi(T) = columns of `target(image)`, and the functional's value at `uv`. The
+/// targets may depend on the face's image at `uv`.
+fn right_hand_side(corners: &[[u32; 3]], elements: &[Element], uv: &[DVec2], target: impl Fn(DMat2) -> DMat2) -> (Vec<Pair>, f64) {
+    let mut rhs = vec![[0.0; 2]; uv.len()];
+    let mut value = 0.0;
+    for (e, corners) in elements.iter().zip(corners) {
+        let image = image(e, corners.map(|v| uv[v as usize]));
+        let target = target(image);
+        let off = image - target;
+        value += e.weight * (off.x_axis.length_squared() + off.y_axis.length_squared());
         for k in 0..3 {
             let v = e.weight * (e.along_s[k] * target.x_axis + e.along_t[k] * target.y_axis);
             let sum = &mut rhs[corners[k] as usize];
@@ -133,7 +146,7 @@ fn right_hand_side(unknowns: usize, corners: &[[u32; 3]], elements: &[Element], 
             sum[1] += v.y;
         }
     }
-    rhs
+    (rhs, value)
 }
 
 /// Image of (S, T) on a face.
@@ -181,12 +194,12 @@ impl Fitter {
         match self.isotropic {
             Some(IsotropicFit::Conformal) => self.conformal(&disc.corners, &mut uv),
             Some(IsotropicFit::Rotations(rounds)) => {
-                self.solve(&disc.corners, &mut uv, false, LOOSE_TOLERANCE);
+                self.solve(&disc.corners, &mut uv, false, LEFT_OF_DRAFT);
                 for _ in 1..rounds {
-                    self.solve(&disc.corners, &mut uv, true, LOOSE_TOLERANCE);
+                    self.solve(&disc.corners, &mut uv, true, LEFT_OF_DRAFT);
                 }
             }
-            Some(IsotropicFit::Propagated) | None => self.solve(&disc.corners, &mut uv, false, LOOSE_TOLERANCE),
+            Some(IsotropicFit::Propagated) | None => self.solve(&disc.corners, &mut uv, false, LEFT_OF_DRAFT),
         }
         uv
     }
@@ -197,21 +210,22 @@ impl Fitter {
         let mut uv = disc.uv.clone();
         match self.isotropic {
             Some(IsotropicFit::Conformal) => {}
-            Some(IsotropicFit::Rotations(1..)) => self.solve(&disc.corners, &mut uv, true, TOLERANCE),
-            _ => self.solve(&disc.corners, &mut uv, false, TOLERANCE),
+            Some(IsotropicFit::Rotations(1..)) => self.solve(&disc.corners, &mut uv, true, LEFT),
+            _ => self.solve(&disc.corners, &mut uv, false, LEFT),
         }
         uv
     }
 
-    /// Minimises the functional with the texture's axes as targets, or with each face's turned to what it has.
-    fn solve(&mut self, corners: &[[u32; 3]], uv: &mut [DVec2], turned: bool, tolerance: f64) {
+    /// Minimises the functional with the texture's axes as targets, or with each face's turned to what it has, until this
+    /// share of it is left to gain.
+    fn solve(&mut self, corners: &[[u32; 3]], uv: &mut [DVec2], turned: bool, share: f64) {
         let Self { elements, matrix, multigrid, .. } = self;
-        let rhs = right_hand_side(uv.len(), corners, elements, |i| match turned {
-            true => nearest_rotation(image(&elements[i], corners[i].map(|v| uv[v as usize]))),
-            false => DMat2::IDENTITY,
-        });
+        let (rhs, start) =
+            right_hand_side(corners, elements, uv, |image| if turned { nearest_rotation(image) } else { DMat2::IDENTITY });
+        let floor = NOTHING * elements.iter().map(|e| 2.0 * e.weight).sum::<f64>();
         let mut x: Vec<Pair> = uv.iter().map(DVec2::to_array).collect();
-        let options = CgOptions { tolerance, max_iterations: MAX_ITERATIONS, coupled: false };
+        let stop = Stop::Gain { start, share, floor };
+        let options = CgOptions { stop, max_iterations: MAX_ITERATIONS, coupled: false };
         self.iterations += solve(|x, y| matrix.times(x, y), &rhs, &mut x, multigrid, options).iterations;
         uv.iter_mut().zip(&x).for_each(|(q, x)| *q = DVec2::from(*x));
     }
@@ -249,7 +263,7 @@ impl Fitter {
             held.iter().for_each(|&h| y[h] = [0.0; 2]);
         };
         let mut x: Vec<Pair> = (0..n).map(|i| if held.contains(&i) { [0.0; 2] } else { uv[i].to_array() }).collect();
-        let options = CgOptions { tolerance: TOLERANCE, max_iterations: CONFORMAL_ITERATIONS, coupled: true };
+        let options = CgOptions { stop: Stop::Residual(CONFORMAL_TOLERANCE), max_iterations: CONFORMAL_ITERATIONS, coupled: true };
         let stats = solve(free_product, &rhs, &mut x, &mut Holding { inner: multigrid, held }, options);
         self.iterations += stats.iterations;
         uv.iter_mut().zip(x.iter().zip(&fixed)).for_each(|(q, (x, f))| *q = DVec2::new(x[0] + f[0], x[1] + f[1]));

@@ -47,8 +47,6 @@ pub struct Laid {
     pub open: Vec<(usize, usize)>,
     /// Why it ends there.
     pub stops: Stops,
-    /// True if some face was judged together with its neighbours.
-    evened: bool,
     /// Conjugate gradient iterations.
     pub iterations: usize,
     /// How often it was grown again after a fit.
@@ -66,24 +64,34 @@ impl Laid {
 /// basis at the seed.
 #[must_use]
 pub fn lay(site: Site, angle: f64, choice: FitChoice, scratch: &mut Scratch) -> Option<Laid> {
-    let tolerant = lay_evenly(site, EVEN_OUT, angle, choice, scratch)?;
-    if !tolerant.evened || bad_share(&tolerant, site.mesh) <= MAX_BAD_AREA {
-        return Some(tolerant);
+    match lay_evenly(site, EVEN_OUT, angle, choice, scratch)? {
+        Outcome::Laid(laid) => Some(*laid),
+        Outcome::Stretched { iterations: spent } => match lay_evenly(site, 0.0, angle, choice, scratch)? {
+            Outcome::Laid(laid) => Some(Laid { iterations: laid.iterations + spent, ..*laid }),
+            Outcome::Stretched { .. } => None,
+        },
     }
-    let strict = lay_evenly(site, 0.0, angle, choice, scratch)?;
-    Some(Laid { iterations: strict.iterations + tolerant.iterations, ..strict })
+}
+
+/// How laying ended.
+enum Outcome {
+    Laid(Box<Laid>),
+    /// Faces judged together with their neighbours turned out stretched too much.
+    Stretched {
+        iterations: usize,
+    },
 }
 
 /// Share of a patch's area that is stretched too much.
-fn bad_share(laid: &Laid, mesh: &Mesh) -> f64 {
-    let (bad, all) = laid.deviations(mesh).fold((0.0, 0.0), |(bad, all), d| {
+fn bad_share(mesh: &Mesh, disc: &Disc, frames: &[Frame]) -> f64 {
+    let (bad, all) = deviations(mesh, disc, frames).fold((0.0, 0.0), |(bad, all), d| {
         let is_bad = d.stretch > BAD_STRETCH;
         (bad + if is_bad { d.area } else { 0.0 }, all + d.area)
     });
     bad / all
 }
 
-fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch: &mut Scratch) -> Option<Laid> {
+fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch: &mut Scratch) -> Option<Outcome> {
     let (mut rule, uv) = PasteRule::new(site, even_out, angle)?;
     let mut grower = Grower::new(site.mesh, scratch, site.seed.face, uv);
     grower.grow(&mut rule);
@@ -97,6 +105,10 @@ fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch:
         let mut fit = fitter(&grower, &rule);
         let draft = fit.draft(grower.disc());
         place(&mut grower, draft, site.seed);
+        // Seen as soon as the first draft: what it stretches the last fit stretches too.
+        if rule.evened() && bad_share(site.mesh, grower.disc(), rule.frames()) > MAX_BAD_AREA {
+            return Some(Outcome::Stretched { iterations: iterations + fit.iterations() });
+        }
         rule.moved(grower.disc());
         let joined = if regrowths < REGROWTHS { grower.grow(&mut rule) } else { 0 };
         let few = joined as f64 <= FEW * grower.disc().faces.len() as f64;
@@ -115,8 +127,7 @@ fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch:
     }
     let stops = rule.stops(&grower);
     let open = grower.open_border().collect();
-    let evened = rule.evened();
-    Some(Laid { frames: rule.into_frames(), disc: grower.into_disc(), open, stops, evened, iterations, regrowths })
+    Some(Outcome::Laid(Box::new(Laid { frames: rule.into_frames(), disc: grower.into_disc(), open, stops, iterations, regrowths })))
 }
 
 /// Moves the disc to these coordinates, translated so that the seed point lies on the texture patch's centre. The seed
