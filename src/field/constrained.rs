@@ -37,7 +37,6 @@ impl Default for FieldOptions {
 
 /// What [`constrained`] met.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-#[serde(rename_all = "camelCase")]
 pub struct ConstrainedStatistics {
     /// Anchors used.
     pub anchors: usize,

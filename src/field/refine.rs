@@ -46,7 +46,6 @@ const GROWTH_OF_ONE: usize = 6;
 
 /// What [`refine_near_singularities`] did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "camelCase")]
 pub struct RefineStatistics {
     /// Singular vertices of the field on the mesh given.
     pub singularities: usize,
