@@ -57,7 +57,7 @@ pub struct PasteArgs {
     /// With --field none: constraints of which the scales count
     #[arg(long, value_name = "FILE.json", help_heading = "Size and direction")]
     pub scale_field: Option<PathBuf>,
-    /// Leave large faces near singularities of the field as they are instead of cutting them
+    /// Leave large faces as they are: by default those larger than an exemplar, and around singularities of the field, are cut
     #[arg(long, help_heading = "Size and direction")]
     pub keep_faces: bool,
 

@@ -29,6 +29,7 @@ pub use spread::Carry;
 pub use up::{UpStatistics, up, up_on};
 
 use crate::mesh::Mesh;
+use crate::mesh::subdivide::Subdivision;
 use glam::{DVec3, Vec3};
 
 /// A texture direction and scale per face.
@@ -52,6 +53,13 @@ impl TangentField {
             None => t.cross(mesh.normal(face)),
         };
         (s, t)
+    }
+
+    /// The same field on a subdivision of its mesh.
+    #[must_use]
+    pub fn on(&self, fine: &Subdivision) -> Self {
+        let spread = |vectors: &Vec<Vec3>| fine.parent.iter().map(|&f| vectors[f as usize]).collect();
+        Self { up: spread(&self.up), right: self.right.as_ref().map(spread) }
     }
 }
 

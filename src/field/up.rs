@@ -21,6 +21,10 @@ const CANCELLED: f64 = 0.05;
 /// artist meant, and a patch cannot follow it.
 const EVEN_OUT: f64 = 0.1;
 
+/// A vertex normal that leans further from its face than this cosine (40 degrees) belongs to a crease. The faces of an
+/// icosahedron, the coarsest thing that stands for a smooth one, are 37 degrees off.
+const SMOOTH: f32 = 0.766;
+
 /// What [`up`] met.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct UpStatistics {
@@ -37,7 +41,8 @@ pub fn up(mesh: &Mesh, axis: DVec3, scale: f64) -> Result<(TangentField, UpStati
 }
 
 /// [`up`] on a subdivision of a mesh. The children of a cut face all lie in its plane; so that cutting it makes the field finer,
-/// they project the axis as the smooth surface would: onto the plane across the vertex normals' mean at their centroids.
+/// they project the axis as the smooth surface would: onto the plane across the vertex normals' mean at their centroids. At
+/// a crease nothing is smooth, and the face's own plane counts.
 ///
 /// # Errors
 /// As [`up`].
@@ -65,7 +70,10 @@ pub(super) fn directions_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3, scale:
         }
         let [a, b, c] = fine.corners[f as usize];
         let bary = (a + b + c) / 3.0;
-        let [a, b, c] = mesh.faces[fine.parent[f as usize] as usize].map(|v| normals[v as usize]);
+        let parent = fine.parent[f as usize];
+        let flat = mesh.normal(parent).as_vec3();
+        let smooth = |v: u32| if normals[v as usize].dot(flat) > SMOOTH { normals[v as usize] } else { flat };
+        let [a, b, c] = mesh.faces[parent as usize].map(smooth);
         (a * bary.x + b * bary.y + c * bary.z).as_dvec3().normalize_or(fine.mesh.normal(f))
     })
 }

@@ -17,7 +17,7 @@ use crate::field::{
 };
 use crate::format::{Model, Record};
 use crate::mesh::curvature::curvature;
-use crate::mesh::subdivide::Subdivision;
+use crate::mesh::subdivide::{Subdivision, cut_larger};
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, MeshError, clean};
 use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, paste};
 use crate::progress::Progress;
@@ -79,7 +79,7 @@ pub struct PasteJob {
     pub scale: Scale,
     /// What steers it.
     pub steer: Steer,
-    /// Leave faces near singularities as they are.
+    /// Leave large faces as they are.
     pub keep_faces: bool,
     /// Pixels over which alpha falls off at a patch's edge; `None` goes by each exemplar's size ([`default_feather`]).
     pub feather: Option<f32>,
@@ -173,6 +173,7 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
     report.prepare_seconds = begin.elapsed().as_secs_f64();
 
     let (lapped, statistics) = paste(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
+    report.warnings.extend(too_many_draws(&statistics));
     report.paste = statistics;
 
     let out = Outgoing::new(model, &cleaned, fine.as_ref());
@@ -233,13 +234,31 @@ fn default_source(exemplar: &Exemplar, feather: f32) -> PatchSource {
     if opacity_is_outline(exemplar, feather) { PatchSource::Whole } else { PatchSource::Splotch }
 }
 
+/// Exemplar areas on the surface beyond which no face is cut: pasting refuses such a job, and says why.
+const MOST_TO_CUT: f64 = 1e6;
+
+/// Larger faces than this share of an exemplar's area are cut: a texture patch then reaches over several.
+const LARGEST_FACE: f64 = 0.25;
+
 /// Makes a field on a subdivision of the mesh.
 type Evaluate<'a> = dyn FnMut(&Subdivision) -> Result<TangentField, FieldError> + 'a;
 
 /// The guide, on the mesh or on a subdivision of it.
+///
+/// Faces of more than [`LARGEST_FACE`] are cut first: all pastes on a face are looked at for every point of it, when covering
+/// as when drawing. Then the faces around singularities of a field are.
 fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(Option<Subdivision>, Guide), JobError> {
-    let mesh = &cleaned.mesh;
     let scale = report.scale;
+    let tractable = cleaned.mesh.total_area() <= MOST_TO_CUT * scale * scale;
+    let start = if job.keep_faces || !tractable { None } else { cut_larger(&cleaned.mesh, LARGEST_FACE * scale * scale)? };
+    let mesh = start.as_ref().map_or(&cleaned.mesh, |s| &s.mesh);
+    let anchors = |constraints: &Constraints, axis: DVec3| {
+        let mut anchors = constraints.anchors(&cleaned.mesh, Some(&cleaned.user_faces), axis, scale)?;
+        if let Some(start) = &start {
+            anchors.iter_mut().for_each(|anchor| anchor.at = start.locate(anchor.at));
+        }
+        Ok::<_, FieldError>(anchors)
+    };
     let options = |axis: DVec3, constraints: &Constraints| FieldOptions {
         scale,
         axis,
@@ -255,7 +274,7 @@ fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(O
         }),
         Steer::Constraints(constraints, axis) => {
             let axis = constraints.axis(*axis);
-            let anchors = constraints.anchors(mesh, Some(&cleaned.user_faces), axis, scale)?;
+            let anchors = anchors(constraints, axis)?;
             let filled = &mut filled;
             Box::new(move |fine| {
                 let (field, statistics) = constrained_on(mesh, fine, &anchors, &options(axis, constraints))?;
@@ -267,10 +286,14 @@ fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(O
             let none = Constraints::default();
             let constraints = constraints.as_ref().unwrap_or(&none);
             let axis = constraints.axis(DVec3::Y);
-            let anchors = constraints.anchors(mesh, Some(&cleaned.user_faces), axis, scale)?;
-            return Ok((None, constrained_scale(mesh, &anchors, &options(axis, constraints))?.0));
+            let (guide, _) = constrained_scale(mesh, &anchors(constraints, axis)?, &options(axis, constraints))?;
+            return Ok((start, guide));
         }
-        Steer::Field(text) => return Ok((None, Guide::Directed(TangentField::from_json(mesh, text)?))),
+        Steer::Field(text) => {
+            let field = TangentField::from_json(&cleaned.mesh, text)?;
+            let field = start.as_ref().map_or(field.clone(), |s| field.on(s));
+            return Ok((start, Guide::Directed(field)));
+        }
     };
     if job.keep_faces {
         let field = evaluate(&Subdivision::none(mesh))?;
@@ -282,7 +305,25 @@ fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(O
     drop(evaluate);
     report.filled_faces = filled;
     report.refine = Some(refined.statistics);
-    Ok((Some(refined.subdivision), Guide::Directed(refined.field)))
+    let fine = match start {
+        Some(start) => start.then(refined.subdivision),
+        None => refined.subdivision,
+    };
+    Ok((Some(fine), Guide::Directed(refined.field)))
+}
+
+/// Draws per point beyond which something could be better chosen: ordinary jobs have 1.5 to 4.
+const MANY_DRAWS: f64 = 8.0;
+
+/// A warning if points lie under very many pastes.
+fn too_many_draws(statistics: &PasteStatistics) -> Option<String> {
+    (statistics.draws_per_area > MANY_DRAWS).then(|| {
+        format!(
+            "a point lies under {:.0} pastes on the mean: the texture patches are thin or full of holes, or much wider than parts \
+             of the mesh; choose more solid patches (--patch splotch) or a smaller texture (--scale)",
+            statistics.draws_per_area
+        )
+    })
 }
 
 /// A patch that spans half an exemplar bends by this many radians where it is as hard to lay flat as can be told apart.

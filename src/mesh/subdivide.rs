@@ -129,6 +129,26 @@ pub fn subdivide(mesh: &Mesh, marked: &[bool]) -> Result<Subdivision, MeshError>
     Ok(Subdivision { mesh: Mesh { positions, faces, opposite }, parent, corners })
 }
 
+/// Cuts faces of more than `largest` (world units squared) into such that are not; `None` if there are none.
+///
+/// # Errors
+/// If the result has more faces than a mesh can hold.
+pub fn cut_larger(mesh: &Mesh, largest: f64) -> Result<Option<Subdivision>, MeshError> {
+    let mut fine: Option<Subdivision> = None;
+    loop {
+        let now = fine.as_ref().map_or(mesh, |f| &f.mesh);
+        let marked: Vec<bool> = (0..now.face_count() as u32).map(|f| now.area(f) > largest).collect();
+        if !marked.contains(&true) {
+            return Ok(fine);
+        }
+        let finer = subdivide(now, &marked)?;
+        fine = Some(match fine {
+            Some(fine) => fine.then(finer),
+            None => finer,
+        });
+    }
+}
+
 /// Barycentric coordinates of a face's corners and of the midpoints of the edges that start at them.
 const LOCAL: [Vec3; 6] = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::new(0.5, 0.5, 0.0), Vec3::new(0.0, 0.5, 0.5), Vec3::new(0.5, 0.0, 0.5)];
 
@@ -237,6 +257,23 @@ mod tests {
         assert_eq!(subdivide(&mesh, &[]).expect("it fits").mesh, mesh, "nothing marked, nothing changed");
         let all = subdivide(&mesh, &vec![true; mesh.face_count()]).expect("it fits");
         assert_eq!(all.mesh.face_count(), 4 * mesh.face_count(), "all marked: four times the faces");
+    }
+
+    #[test]
+    fn large_faces_are_cut_until_none_is_left_and_small_ones_stay() {
+        let mesh = shapes::uneven_square(8);
+        let areas: Vec<f64> = (0..mesh.face_count() as u32).map(|f| mesh.area(f)).collect();
+        let largest = areas.iter().copied().fold(0.0, f64::max);
+        assert!(cut_larger(&mesh, largest).expect("it fits").is_none(), "nothing is larger than the largest");
+        let fine = cut_larger(&mesh, 0.1 * largest).expect("it fits").expect("something is cut");
+        fine.mesh.check().expect("manifold");
+        for (f, &parent) in fine.parent.iter().enumerate() {
+            let area = fine.mesh.area(f as u32);
+            assert!(area <= 0.1 * largest, "face {f} is left at {area} of {largest}");
+            // Halved beside a cut face, quartered if two are beside it; never cut for nothing.
+            let quarter = 0.25 * 0.25 * 0.1 * largest;
+            assert!(area >= quarter.min(0.24 * areas[parent as usize]), "face {f} was cut to {area} for nothing");
+        }
     }
 
     #[test]

@@ -1,15 +1,16 @@
 //! A second look at coverage, by nothing but what was written down: points of the surface and the alpha of the pastes.
 //!
 //! The loop's cells promise that every point is opaque. The audit takes the alpha that is shown, bilinear in the masks
-//! (rounded down to 8 bits) under the recorded coordinates, at every texel of the surface, and names the points where it falls short. A face whose image lies
-//! wholly inside the opaque part of one paste's mask has no such point and is not looked at more closely.
+//! (rounded down to 8 bits) under the recorded coordinates, at every texel of the surface, and names the points where it
+//! falls short. A face, or a run of texels, whose image lies wholly inside the opaque part of one paste's mask has no such
+//! point and is not looked at more closely.
 
-use super::coverage::Lattice;
+use super::coverage::{Image, Lattice};
 use super::lapped::{FaceLists, Paste};
 use super::order::mask_pixels;
 use crate::exemplar::{CoverageMask, TexturePatch};
 use crate::mesh::{Mesh, SurfacePoint};
-use glam::{Vec2, Vec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
 /// Composite alpha below this is a hole an eye could find.
@@ -59,7 +60,8 @@ pub fn audit(
                     part.least_alpha = part.least_alpha.min(OPAQUE);
                     continue;
                 }
-                let layers: Vec<Layer> = list.iter().rev().map(|&entry| Layer::new(patches, masks, pastes, entry)).collect();
+                let layer = |&entry: &(u32, u32)| Layer::new(&lattice, patches, masks, pastes, entry);
+                let layers: Vec<Layer> = list.iter().rev().map(layer).collect();
                 part.look(face, &lattice, &layers);
             }
             part
@@ -76,44 +78,64 @@ pub fn audit(
 /// Faces a task takes.
 const CHUNK: usize = 4096;
 
-/// A paste on a face: mask pixels of its corners.
+/// Texels of a row that are tried together against a mask's depth before they are looked at one by one.
+const RUN: u32 = 16;
+
+/// A paste on a face.
 struct Layer<'a> {
     mask: &'a CoverageMask,
-    corner: [Vec2; 3],
+    image: Image,
 }
 
 impl<'a> Layer<'a> {
-    fn new(patches: &[TexturePatch], masks: &'a [CoverageMask], pastes: &[Paste], (paste, slot): (u32, u32)) -> Self {
+    fn new(
+        lattice: &Lattice,
+        patches: &[TexturePatch],
+        masks: &'a [CoverageMask],
+        pastes: &[Paste],
+        (paste, slot): (u32, u32),
+    ) -> Self {
         let paste = &pastes[paste as usize];
-        let corner = mask_pixels(paste, slot, patches[paste.patch as usize].mask.size()).map(glam::DVec2::as_vec2);
-        Self { mask: &masks[paste.patch as usize], corner }
+        let corners = mask_pixels(paste, slot, patches[paste.patch as usize].mask.size());
+        Self { mask: &masks[paste.patch as usize], image: Image::new(lattice, corners) }
     }
 
-    fn alpha(&self, bary: Vec3) -> f32 {
-        self.mask.alpha(self.corner[0] * bary.x + self.corner[1] * bary.y + self.corner[2] * bary.z)
+    /// True if the layer is opaque at all points of a rectangle on the lattice.
+    fn hides(&self, middle: DVec2, half: DVec2) -> bool {
+        self.mask.depth(self.image.at(middle)) >= self.image.radius(half)
+    }
+
+    fn alpha(&self, at: DVec2) -> f32 {
+        self.mask.alpha(self.image.at(at))
     }
 }
 
 impl Audit {
     /// Looks at all samples of a face.
     fn look(&mut self, face: u32, lattice: &Lattice, layers: &[Layer]) {
-        let (mut least, mut at) = (f32::INFINITY, Vec3::ZERO);
-        lattice.for_each_point(|bary| {
-            let mut clear = 1.0;
-            for layer in layers {
-                clear *= 1.0 - layer.alpha(bary);
-                if clear < 1.0 - OPAQUE {
-                    break;
-                }
+        let (mut least, mut worst) = (f32::INFINITY, DVec2::ZERO);
+        lattice.for_each_run(RUN, |run| {
+            self.samples += u64::from(run.cells());
+            if layers.iter().any(|layer| layer.hides(run.middle(), run.half())) {
+                least = least.min(OPAQUE);
+                return;
             }
-            self.samples += 1;
-            if 1.0 - clear < least {
-                (least, at) = (1.0 - clear, bary);
+            for at in run.samples() {
+                let mut clear = 1.0;
+                for layer in layers {
+                    clear *= 1.0 - layer.alpha(at);
+                    if clear < 1.0 - OPAQUE {
+                        break;
+                    }
+                }
+                if 1.0 - clear < least {
+                    (least, worst) = (1.0 - clear, at);
+                }
             }
         });
         self.least_alpha = self.least_alpha.min(least);
         if least < LEAST_ALPHA {
-            self.holes.push(SurfacePoint { face, bary: at });
+            self.holes.push(SurfacePoint { face, bary: lattice.bary(worst) });
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::exemplar::CoverageMask;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Cells of a row that are tried together against the mask's depth before they are looked at one by one.
-const RUN: usize = 8;
+const RUN: u32 = 8;
 
 /// Samples at or below this transparency, of 255, count as opaque.
 const OPAQUE: u8 = 1;
@@ -90,7 +90,7 @@ impl Lattice {
     }
 
     /// Barycentric coordinates of a lattice point.
-    fn bary(&self, at: DVec2) -> Vec3 {
+    pub(super) fn bary(&self, at: DVec2) -> Vec3 {
         let top = at.y / self.apex.y;
         let right = (at.x - self.apex.x * top) / self.base;
         let mut bary = [0.0; 3];
@@ -100,12 +100,15 @@ impl Lattice {
         Vec3::from(bary)
     }
 
-    /// Calls `visit` with the barycentric coordinates of each sample, row by row.
-    pub fn for_each_point(&self, mut visit: impl FnMut(Vec3)) {
+    /// Calls `visit` with every run of up to `most` cells of a row, row by row.
+    pub(super) fn for_each_run(&self, most: u32, mut visit: impl FnMut(&Run)) {
+        let half_height = 0.5 * self.apex.y / f64::from(self.rows);
         for row in 0..self.rows {
             let cells = self.row_cells(row);
             let (left, width) = self.row(row, cells);
-            (0..cells).for_each(|cell| visit(self.bary(self.sample(row, left, width, cell))));
+            for first in (0..cells).step_by(most as usize) {
+                visit(&Run { lattice: self, row, left, width, first, cells: most.min(cells - first), half_height });
+            }
         }
     }
 
@@ -125,6 +128,40 @@ impl Lattice {
     }
 }
 
+/// Cells of a row next to each other.
+pub(super) struct Run<'a> {
+    lattice: &'a Lattice,
+    row: u32,
+    left: f64,
+    width: f64,
+    first: u32,
+    cells: u32,
+    half_height: f64,
+}
+
+impl Run<'_> {
+    /// Number of cells.
+    pub(super) const fn cells(&self) -> u32 {
+        self.cells
+    }
+
+    /// The middle of their rectangle.
+    pub(super) fn middle(&self) -> DVec2 {
+        let cells = f64::from(self.first) + 0.5 * f64::from(self.cells);
+        DVec2::new(self.left + cells * self.width, (2.0 * f64::from(self.row) + 1.0) * self.half_height)
+    }
+
+    /// Half its extents.
+    pub(super) fn half(&self) -> DVec2 {
+        DVec2::new(0.5 * f64::from(self.cells) * self.width, self.half_height)
+    }
+
+    /// The samples.
+    pub(super) fn samples(&self) -> impl Iterator<Item = DVec2> + '_ {
+        (self.first..self.first + self.cells).map(|cell| self.lattice.sample(self.row, self.left, self.width, cell))
+    }
+}
+
 fn nearest_on_segment(a: DVec2, b: DVec2, p: DVec2) -> DVec2 {
     let t = (p - a).dot(b - a) / (b - a).length_squared();
     a + (b - a) * t.clamp(0.0, 1.0)
@@ -132,7 +169,7 @@ fn nearest_on_segment(a: DVec2, b: DVec2, p: DVec2) -> DVec2 {
 
 /// How a paste's texture lies on a face: mask pixels as an affine function of lattice coordinates.
 #[derive(Debug, Clone, Copy)]
-struct Image {
+pub(super) struct Image {
     origin: DVec2,
     along: DVec2,
     up: DVec2,
@@ -140,19 +177,20 @@ struct Image {
 
 impl Image {
     /// From the mask pixels of the face's corners.
-    fn new(lattice: &Lattice, pixel: [DVec2; 3]) -> Self {
+    pub(super) fn new(lattice: &Lattice, pixel: [DVec2; 3]) -> Self {
         let k = lattice.first;
         let (a, b, c) = (pixel[k], pixel[(k + 1) % 3], pixel[(k + 2) % 3]);
         let along = (b - a) / lattice.base;
         Self { origin: a, along, up: (c - a - along * lattice.apex.x) / lattice.apex.y }
     }
 
-    fn at(&self, p: DVec2) -> Vec2 {
+    /// The mask pixel of a lattice point.
+    pub(super) fn at(&self, p: DVec2) -> Vec2 {
         (self.origin + self.along * p.x + self.up * p.y).as_vec2()
     }
 
     /// Radius of the image of a box of half extents `half`.
-    fn radius(&self, half: DVec2) -> f32 {
+    pub(super) fn radius(&self, half: DVec2) -> f32 {
         let (a, b) = (self.along * half.x, self.up * half.y);
         (a + b).length().max((a - b).length()) as f32
     }
@@ -237,46 +275,38 @@ impl Tile {
 /// Multiplies the samples' transparency; whether the mask reached any that was not opaque, and whether any is left.
 fn cover_samples(samples: &mut [u8], lattice: &Lattice, mask: &CoverageMask, image: &Image) -> (bool, bool) {
     let (mut touched, mut open, mut start) = (false, false, 0);
-    let half = lattice.half_cell();
-    let radius = image.radius(half);
-    for row in 0..lattice.rows {
-        let cells = lattice.row_cells(row);
-        let (left, width) = lattice.row(row, cells);
-        let this_row = &mut samples[start..start + cells as usize];
-        start += cells as usize;
-        for (r, run) in this_row.chunks_mut(RUN).enumerate() {
-            if run.iter().all(|&t| t == 0) {
-                continue;
+    let radius = image.radius(lattice.half_cell());
+    lattice.for_each_run(RUN, |run| {
+        let these = &mut samples[start..start + run.cells() as usize];
+        start += these.len();
+        if these.iter().all(|&t| t == 0) {
+            return;
+        }
+        if these.len() > 2 {
+            let depth = mask.depth(image.at(run.middle()));
+            let reach = image.radius(run.half());
+            if depth <= -reach {
+                open = true;
+                return;
             }
-            let first = (r * RUN) as u32;
-            if run.len() > 2 {
-                let middle =
-                    DVec2::new(left + (f64::from(first) + 0.5 * run.len() as f64) * width, (f64::from(row) + 0.5) * 2.0 * half.y);
-                let depth = mask.depth(image.at(middle));
-                let reach = image.radius(DVec2::new(0.5 * run.len() as f64 * width, half.y));
-                if depth <= -reach {
-                    open = true;
-                    continue;
-                }
-                if depth >= reach {
-                    run.fill(0);
-                    touched = true;
-                    continue;
-                }
-            }
-            for (i, transparency) in run.iter_mut().enumerate() {
-                if *transparency == 0 {
-                    continue;
-                }
-                let at = image.at(lattice.sample(row, left, width, first + i as u32));
-                touched |= mask.touches(at, radius);
-                let clear = 255 - u32::from(mask.eroded_alpha(at, radius));
-                // Rounded up: a sample never counts as more opaque than it is.
-                let rest = (u32::from(*transparency) * clear).div_ceil(255) as u8;
-                *transparency = if rest <= OPAQUE { 0 } else { rest };
-                open |= *transparency > 0;
+            if depth >= reach {
+                these.fill(0);
+                touched = true;
+                return;
             }
         }
-    }
+        for (transparency, sample) in these.iter_mut().zip(run.samples()) {
+            if *transparency == 0 {
+                continue;
+            }
+            let at = image.at(sample);
+            touched |= mask.touches(at, radius);
+            let clear = 255 - u32::from(mask.eroded_alpha(at, radius));
+            // Rounded up: a sample never counts as more opaque than it is.
+            let rest = (u32::from(*transparency) * clear).div_ceil(255) as u8;
+            *transparency = if rest <= OPAQUE { 0 } else { rest };
+            open |= *transparency > 0;
+        }
+    });
     (touched, open)
 }
