@@ -8,8 +8,11 @@ use lapped::exemplar::{Channel, Exemplar, Image};
 use lapped::format::{ExemplarOptions, FormatError, NormalConvention, Warning, read_exemplar, read_mask, save_image, srgb};
 use std::path::Path;
 
+/// An exemplar and its warnings, without the notes.
 fn read(path: &Path) -> (Exemplar, Vec<Warning>) {
-    read_exemplar(path, &ExemplarOptions::default()).unwrap()
+    let (exemplar, mut told) = read_exemplar(path, &ExemplarOptions::default()).unwrap();
+    told.retain(|t| !t.note);
+    (exemplar, told)
 }
 
 fn pixel(exemplar: &Exemplar, channel: Channel, x: i64, y: i64) -> Vec3 {
@@ -245,6 +248,11 @@ fn normal_conventions_and_height_senses_are_told_from_the_maps() {
             }
         }
     }
+    let named = at("a_normal_dx.png");
+    y_down(normals.clone()).save(&named).unwrap();
+    let auto = ExemplarOptions { channels: [(Channel::Normal, named)].into(), bright_is_high: Some(true), ..ExemplarOptions::default() };
+    let told = read_exemplar(&at("a_color.png"), &auto).unwrap().1;
+    assert!(told.len() == 1 && told[0].note && told[0].text.contains("DirectX"), "the decision is told: {told:?}");
     let stated =
         ExemplarOptions { normal: Some(NormalConvention::OpenGl), bright_is_high: Some(true), ..ExemplarOptions::default() };
     let (exemplar, warnings) = read_exemplar(&at("a_color.png"), &stated).unwrap();

@@ -3,6 +3,7 @@
 //! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 an error in the input or the job, 2 wrong usage.
 
 pub mod bar;
+pub mod channels;
 pub mod demo;
 pub mod inspect;
 pub mod paste;
@@ -69,6 +70,11 @@ impl Common {
             // Nobody is left to be told if stderr is closed.
             let _ = writeln!(std::io::stderr(), "{text}");
         }
+    }
+
+    /// Passes on what reading a file told: decisions as notes, the rest as warnings.
+    pub fn pass_on(&self, told: &crate::format::Warning) {
+        if told.note { self.say(&format!("note: {told}")) } else { self.warn(&told.to_string()) }
     }
 
     /// Warns on stderr, unless asked for quiet.

@@ -2,10 +2,11 @@
 
 use super::bar::Bar;
 use super::picture::{self, Size};
+use super::channels::ChannelArgs;
 use super::{Common, report};
 use crate::exemplar::{Channel, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
-use crate::format::{ExemplarOptions, check_output, read_exemplar, read_file, read_mask, read_model, write_record};
+use crate::format::{check_output, read_exemplar, read_file, read_mask, read_model, write_record};
 use crate::job::{ExemplarInput, JobReport, PasteJob, Pasted, Scale, Steer, paste_model};
 use crate::mesh::CleanOptions;
 use crate::paste::{Composite, IsotropicFit, PasteOptions, Predictor, Weights};
@@ -29,6 +30,8 @@ Examples:
       lapped paste rock.ply moss.jpg -o rock.glb --field none --preview rock.png
   Two exemplars, the first three times as often, pasted along outlines drawn by hand:
       lapped paste wall.glb a.png b.png --weights 3,1 --patch a-outlines.json -o wall-lapped.glb
+  A material whose maps are named by nobody's habit:
+      lapped paste wall.obj w1.png -o wall.glb --normal w2.png --height w3.png --normal-convention directx
   What the method did:
       lapped paste bunny.obj scales.png -o bunny.glb --preview p.png --preview-style pastes --report r.json")]
 pub struct PasteArgs {
@@ -77,6 +80,10 @@ pub struct PasteArgs {
     /// Read each exemplar's named image alone, without looking for normal, height and other maps beside it
     #[arg(long, help_heading = "Texture patches")]
     pub color_only: bool,
+
+    /// See [`ChannelArgs`].
+    #[command(flatten)]
+    pub channels: ChannelArgs,
 
     /// Seed of all random choices
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Method")]
@@ -315,11 +322,18 @@ fn inputs(args: &PasteArgs) -> anyhow::Result<Vec<ExemplarInput>> {
     if !args.weights.is_empty() && args.weights.len() != args.exemplars.len() {
         bail!("--weights has {} numbers for {} exemplars: give one each", args.weights.len(), args.exemplars.len());
     }
+    if let (Some((channel, file)), true) = (args.channels.files().first_key_value(), args.exemplars.len() > 1) {
+        bail!(
+            "{}: this {} map cannot be shared by {} exemplars: give one exemplar, or name maps after their colour images",
+            file.display(),
+            channel.name(),
+            args.exemplars.len()
+        );
+    }
     let patches: Vec<PatchSpec> = args.patch.iter().map(|text| patch(text)).collect::<anyhow::Result<_>>()?;
     let one = |(i, path): (usize, &PathBuf)| {
-        let options = ExemplarOptions { alone: args.color_only, ..ExemplarOptions::default() };
-        let (exemplar, warnings) = read_exemplar(path, &options)?;
-        warnings.iter().for_each(|w| args.common.warn(&w.to_string()));
+        let (exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only))?;
+        told.iter().for_each(|t| args.common.pass_on(t));
         let weight = args.weights.get(i).copied().unwrap_or(1.0);
         if !(weight > 0.0 && weight.is_finite()) {
             bail!("--weights has {weight}: give numbers above zero");

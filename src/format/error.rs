@@ -131,6 +131,8 @@ pub struct Warning {
     pub path: PathBuf,
     /// One sentence: what was found and what was done about it.
     pub text: String,
+    /// True if nothing is wrong: it only tells what was decided.
+    pub note: bool,
 }
 
 impl std::fmt::Display for Warning {

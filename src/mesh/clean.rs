@@ -56,6 +56,8 @@ pub struct CleanReport {
     pub flipped_faces: usize,
     /// Closed components that were inside out and were turned.
     pub turned_components: usize,
+    /// Components in which no winding agrees all round, like a Moebius strip; they are cut open.
+    pub one_sided_components: usize,
     /// Edges with more than two faces, or with two that run the same way even after turning.
     pub non_manifold_edges: usize,
     /// Vertices with more than one fan of faces.
@@ -64,12 +66,28 @@ pub struct CleanReport {
     pub components: usize,
     /// Components with a boundary.
     pub open_components: usize,
+    /// The largest of those, by faces; [`MOST_TOLD`] at most.
+    pub largest_open: Vec<OpenComponent>,
     /// Edges with one face.
     pub boundary_edges: usize,
     /// Closed loops of such edges.
     pub boundary_loops: usize,
     /// V - E + F.
     pub euler_characteristic: i64,
+}
+
+/// Open components that a report names.
+pub const MOST_TOLD: usize = 12;
+
+/// A component with a boundary.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct OpenComponent {
+    /// The first of the caller's faces in it.
+    pub first_face: usize,
+    /// Its faces.
+    pub faces: usize,
+    /// Its edges with one face.
+    pub boundary_edges: usize,
 }
 
 /// Where one of the caller's faces went.
@@ -118,12 +136,22 @@ pub fn clean(positions: &[Vec3], faces: &[[u32; 3]], options: &CleanOptions) -> 
     let (mesh, user_vertices) = part_fans(positions, kept.clone(), opposite, &mut report);
 
     let (component, count) = mesh.components();
-    let mut open = vec![false; count];
-    for (h, &o) in mesh.opposite.iter().enumerate() {
-        open[component[h / 3] as usize] |= o == NONE;
+    let mut open = vec![OpenComponent { first_face: usize::MAX, ..OpenComponent::default() }; count];
+    for (user, &face) in user_faces.iter().enumerate().filter(|(_, f)| **f != NONE) {
+        let of = &mut open[component[face as usize] as usize];
+        of.first_face = of.first_face.min(user);
     }
+    for (f, &c) in component.iter().enumerate() {
+        let of = &mut open[c as usize];
+        of.faces += 1;
+        of.boundary_edges += mesh.opposite[3 * f..3 * f + 3].iter().filter(|&&o| o == NONE).count();
+    }
+    open.retain(|c| c.boundary_edges > 0);
     report.components = count;
-    report.open_components = open.iter().filter(|&&o| o).count();
+    report.open_components = open.len();
+    open.sort_by_key(|c| (std::cmp::Reverse(c.faces), c.first_face));
+    open.truncate(MOST_TOLD);
+    report.largest_open = open;
     report.boundary_edges = mesh.boundary_edge_count();
     report.boundary_loops = mesh.boundary_loop_count();
     report.euler_characteristic = mesh.euler_characteristic();
@@ -267,7 +295,7 @@ fn orient(positions: &[Vec3], faces: &mut [[u32; 3]], report: &mut CleanReport) 
         }
         flip[seed as usize] = Some(false);
         let mut component = vec![seed];
-        let (mut as_is, mut turned, mut closed) = (0.0, 0.0, true);
+        let (mut as_is, mut turned, mut closed, mut one_sided) = (0.0, 0.0, true, false);
         let mut at = 0;
         while at < component.len() {
             let f = component[at];
@@ -277,10 +305,16 @@ fn orient(positions: &[Vec3], faces: &mut [[u32; 3]], report: &mut CleanReport) 
             for h in 3 * f..3 * f + 3 {
                 let o = across[h as usize];
                 closed &= o != NONE && !crowded[h as usize];
-                if o != NONE && flip[(o / 3) as usize].is_none() {
-                    let same_way = ends(faces, h).0 == ends(faces, o).0;
-                    flip[(o / 3) as usize] = Some(mine != same_way);
-                    component.push(o / 3);
+                if o == NONE {
+                    continue;
+                }
+                let same_way = ends(faces, h).0 == ends(faces, o).0;
+                match flip[(o / 3) as usize] {
+                    Some(theirs) => one_sided |= theirs != (mine != same_way),
+                    None => {
+                        flip[(o / 3) as usize] = Some(mine != same_way);
+                        component.push(o / 3);
+                    }
                 }
             }
         }
@@ -290,7 +324,8 @@ fn orient(positions: &[Vec3], faces: &mut [[u32; 3]], report: &mut CleanReport) 
                 faces[f as usize].swap(1, 2);
             }
         }
-        if closed && signed_volume(positions, faces, &component) < 0.0 {
+        report.one_sided_components += usize::from(one_sided);
+        if closed && !one_sided && signed_volume(positions, faces, &component) < 0.0 {
             report.turned_components += 1;
             for &f in &component {
                 faces[f as usize].swap(1, 2);
@@ -459,6 +494,9 @@ mod tests {
         let c = cleaned(&p, &faces);
         assert_eq!(c.report.components, 1, "{:?}", c.report);
         assert_eq!((c.report.boundary_loops, c.report.non_manifold_edges), (1, 1), "a strip with one cut: {:?}", c.report);
+        assert_eq!((c.report.one_sided_components, c.report.turned_components), (1, 0), "and told: {:?}", c.report);
+        let told = OpenComponent { first_face: 0, faces: 24, boundary_edges: 26 };
+        assert_eq!(c.report.largest_open, [told], "the open component: 24 edges of the strip's rim and two of the cut");
     }
 
     #[test]

@@ -32,6 +32,15 @@ pub enum NormalConvention {
     DirectX,
 }
 
+impl std::fmt::Display for NormalConvention {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::OpenGl => "OpenGL (green is up)",
+            Self::DirectX => "DirectX (green is down)",
+        })
+    }
+}
+
 /// How to read an exemplar.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ExemplarOptions {
@@ -56,6 +65,7 @@ pub fn read_exemplar(path: &Path, options: &ExemplarOptions) -> Result<(Exemplar
     let found = find(path, options, &mut warnings)?;
     let base = &found.files[&Role::Channel(Channel::BaseColor)];
     let picture = read_picture(base, Transfer::Srgb)?;
+    warn_if_clipped(&picture.image, base, &mut warnings);
     let fail = |source| FormatError::Exemplar { path: base.clone(), source };
     let mut exemplar = Exemplar::new(found.name.clone(), in_color(picture.image));
     exemplar.wrap = options.wrap;
@@ -128,6 +138,9 @@ fn read_channels(
                     _ if channel.components() == 3 => in_color(picture.image),
                     _ => in_grey(&picture.image),
                 };
+                if channel == Channel::Emissive {
+                    warn_if_clipped(&image, path, warnings);
+                }
                 images.insert(channel, fit(image, size, path, warnings));
             }
             Role::Gloss => {
@@ -165,11 +178,17 @@ fn settle_relief(found: &Found, options: &ExemplarOptions, images: &mut BTreeMap
         (Some(stated), _) => stated,
         (None, Some(named)) => {
             if telling && looks != named {
-                warn(warnings, path, &format!("its name says {named:?}, but its slopes look {looks:?}; the name was believed"));
+                let text = format!("its name says {named}, but its slopes look like {looks}; the name was believed");
+                warn(warnings, path, &text);
+            } else {
+                note(warnings, path, &format!("a normal map of the {named} convention by its name"));
             }
             named
         }
-        (None, None) if telling => looks,
+        (None, None) if telling => {
+            note(warnings, path, &format!("a normal map of the {looks} convention by its slopes"));
+            looks
+        }
         (None, None) => {
             warn(warnings, path, "nothing tells the convention of this normal map; OpenGL (green is up) was taken");
             NormalConvention::OpenGl
@@ -196,7 +215,25 @@ fn turn_over(height: &mut Image) {
 }
 
 fn warn(warnings: &mut Vec<Warning>, path: &Path, text: &str) {
-    warnings.push(Warning { path: path.to_owned(), text: text.to_owned() });
+    warnings.push(Warning { path: path.to_owned(), text: text.to_owned(), note: false });
+}
+
+fn note(warnings: &mut Vec<Warning>, path: &Path, text: &str) {
+    warnings.push(Warning { path: path.to_owned(), text: text.to_owned(), note: true });
+}
+
+/// Records hold colours of 0 to 1; brighter ones, which float files may have, are told.
+fn warn_if_clipped(image: &Image, path: &Path, warnings: &mut Vec<Warning>) {
+    let brightest = image.data().iter().copied().fold(0.0, f32::max);
+    if brightest > 1.0 {
+        let over = image.data().iter().filter(|&&v| v > 1.0).count() as f64 / image.data().len() as f64;
+        let text = format!(
+            "it is up to {brightest:.3} bright, and {:.1} % of it is above 1: that will be cut off at 1 where the record is written; \
+             expose it darker to keep it",
+            100.0 * over
+        );
+        warn(warnings, path, &text);
+    }
 }
 
 fn read_picture(path: &Path, transfer: Transfer) -> Result<Picture, FormatError> {
