@@ -65,7 +65,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 fn record() -> Vec<u8> {
     use glam::{Vec2, Vec3};
     use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
-    use lapped::paste::{LappedTexture, Paste};
+    use lapped::paste::{LappedTexture, Layer, Paste};
     let mut record = lapped::format::Record::default();
     record.model.positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     record.model.faces = vec![[0, 1, 2], [0, 2, 3]];
@@ -83,6 +83,7 @@ fn record() -> Vec<u8> {
         exemplars: vec![Exemplar::new("e", Image::from_fn(4, 4, |_, _| Vec3::ONE))],
         patches: vec![patch],
         pastes: vec![paste.clone(), paste],
+        layers: vec![Layer { name: "l".into(), pastes: 2, weights: vec![[0.0, 0.5, 1.0]; record.model.faces.len()] }],
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.glb");

@@ -5,7 +5,7 @@
 use glam::{Vec2, Vec3, Vec4};
 use lapped::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wrap};
 use lapped::format::{FaceGroup, Model, Record, read_model, read_record, write_record};
-use lapped::paste::{LappedTexture, Paste};
+use lapped::paste::{LappedTexture, Layer, Paste};
 use lapped::random::Random;
 
 fn bytes_image(width: u32, height: u32, components: usize, random: &mut Random, decode: impl Fn(f32) -> f32) -> Image {
@@ -64,7 +64,7 @@ fn full_record() -> Record {
         weight: 0.7,
     };
     let patches = vec![patch(0, &mut r), patch(1, &mut r), patch(0, &mut r)];
-    let pastes = (0..40)
+    let pastes: Vec<Paste> = (0..40)
         .map(|k| {
             let count = if k == 5 { 0 } else { 1 + r.below(50) as usize };
             let on = (0..count).map(|_| r.below(faces as u64) as u32).collect();
@@ -73,11 +73,13 @@ fn full_record() -> Record {
             Paste { patch: r.below(3) as u16, faces: on, uv, offset: Vec2::new(k as f32, -0.5) }
         })
         .collect();
+    let upper = Layer { name: "upper".into(), pastes: pastes.len() as u32 - 1, weights: vec![[0.25, 1.0, 0.0]; faces] };
+    let layers = vec![Layer { name: "lower".into(), pastes: 1, weights: Vec::new() }, upper];
     Record {
         field: Some((0..faces).map(|f| Vec3::new(0.3, f as f32, -1.0)).collect()),
         source_face: Some((0..faces as u32).map(|f| f / 4).collect()),
         model,
-        lapped: LappedTexture { exemplars: vec![first, second], patches, pastes },
+        lapped: LappedTexture { exemplars: vec![first, second], patches, layers, pastes },
         generator: "lapped test".into(),
         job: serde_json::json!({ "seed": 1, "scale": 0.25 }),
     }
@@ -91,6 +93,7 @@ fn a_record_comes_back_equal() {
     write_record(&path, &record).unwrap();
     let back = read_record(&path).unwrap();
     assert_eq!(back.model, record.model, "model");
+    assert_eq!(back.lapped.layers, record.lapped.layers, "layers and weights, bit for bit");
     assert_eq!(back.lapped.exemplars, record.lapped.exemplars, "exemplars, bit for bit");
     assert_eq!(back.lapped.patches, record.lapped.patches, "patches and masks, bit for bit");
     assert_eq!(back, record, "everything else");

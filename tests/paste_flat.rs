@@ -48,7 +48,12 @@ fn one_paste_gives_the_exemplar_back() {
         let laid = lay(site, 0.0, FitChoice::default(), &mut Scratch::new(&mesh)).unwrap();
         let uv = (0..laid.disc.faces.len()).map(|i| laid.disc.face_uv(i).map(|q| plan.mask_uv(q).as_vec2())).collect();
         let paste = Paste { patch: 0, faces: laid.disc.faces.clone(), uv, offset: Vec2::ZERO };
-        let lapped = LappedTexture { exemplars: vec![exemplar.clone()], patches: vec![patch.clone()], pastes: vec![paste] };
+        let lapped = LappedTexture {
+            exemplars: vec![exemplar.clone()],
+            patches: vec![patch.clone()],
+            pastes: vec![paste],
+            ..LappedTexture::default()
+        };
         let composite = Composite::new(&mesh, &lapped);
         let (mut worst, mut seen) = (0.0_f32, 0);
         for y in 0..h {

@@ -40,7 +40,12 @@ fn pasted(mesh: &Mesh, at: &[(Vec2, f32)]) -> LappedTexture {
         let faces: Vec<u32> = (0..mesh.face_count() as u32).collect();
         Paste { patch: 0, uv: mesh.faces.iter().map(|f| f.map(uv)).collect(), faces, offset: Vec2::ZERO }
     };
-    LappedTexture { exemplars: vec![exemplar], patches: vec![patch], pastes: at.iter().map(paste).collect() }
+    LappedTexture {
+        exemplars: vec![exemplar],
+        patches: vec![patch],
+        pastes: at.iter().map(paste).collect(),
+        ..LappedTexture::default()
+    }
 }
 
 /// One view from the front, 100 pixels for 2.15 units.

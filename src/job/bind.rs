@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 use crate::mesh::clean::UserFace;
 use crate::mesh::subdivide::Subdivision;
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, MeshError, NONE, clean};
-use crate::paste::{LappedTexture, Paste};
+use crate::paste::{LappedTexture, Layer, Paste};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 
@@ -58,6 +58,17 @@ impl Outgoing {
             out
         };
         pastes.iter().map(outward).collect()
+    }
+
+    /// Layers with their weights on the model's faces; 0 where a face was dropped.
+    #[must_use]
+    pub fn layers(&self, layers: &[Layer]) -> Vec<Layer> {
+        let outward = |layer: &Layer| {
+            let of = |u: &UserFace| layer.weights.get(u.face as usize).map_or([0.0; 3], |w| u.corners.map(|k| w[k as usize]));
+            let weights = if layer.weights.is_empty() { Vec::new() } else { self.faces.iter().map(of).collect() };
+            Layer { weights, ..layer.clone() }
+        };
+        layers.iter().map(outward).collect()
     }
 
     /// A vector per mesh face as one per face of the model; zero where a face was dropped.
@@ -185,8 +196,18 @@ impl Bound {
             }
             out
         };
-        let LappedTexture { exemplars, patches, pastes } = lapped;
-        let lapped = LappedTexture { exemplars, patches, pastes: pastes.into_iter().map(inward).collect() };
+        let weights_inward = |layer: Layer| {
+            let of = |&user: &u32| {
+                let mut mine = [0.0; 3];
+                (0..3).for_each(|k| mine[user_faces[user as usize].corners[k] as usize] = layer.weights[user as usize][k]);
+                mine
+            };
+            let weights = if layer.weights.is_empty() { Vec::new() } else { first.iter().map(of).collect() };
+            Layer { weights, ..layer }
+        };
+        let LappedTexture { exemplars, patches, pastes, layers } = lapped;
+        let layers = layers.into_iter().map(weights_inward).collect();
+        let lapped = LappedTexture { exemplars, patches, pastes: pastes.into_iter().map(inward).collect(), layers };
         let field = field.map(|f| TangentField { up: first.iter().map(|&user| f[user as usize]).collect(), right: None });
         Ok(Self { mesh, lapped, field, report })
     }

@@ -183,6 +183,7 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
             pastes: out.pastes(&lapped.pastes),
             exemplars: lapped.exemplars.clone(),
             patches: lapped.patches.clone(),
+            layers: Vec::new(),
         },
         model: out.model,
         source_face: out.source_face,

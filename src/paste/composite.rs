@@ -1,10 +1,10 @@
 //! The pastes composited: what a lapped texture looks like at a surface point (LT 4).
 //!
 //! The pastes on the point's face are walked from the top down, each weighted by what the ones above let through, until
-//! nothing more shows. All channels travel together; normals are turned from each paste's own frame into the mesh's
+//! nothing more shows. Pastes of one layer are taken together and let through what the layer's weight leaves. All channels travel together; normals are turned from each paste's own frame into the mesh's
 //! space.
 
-use super::lapped::{FaceLists, LappedTexture, Paste};
+use super::lapped::{FaceLists, LappedTexture, Layer, Paste};
 use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::{SurfaceTexture, Texel};
@@ -13,6 +13,9 @@ use glam::{DVec3, Vec2, Vec3};
 /// What is left to see through below this cannot change an 8-bit picture.
 const NOTHING_LEFT: f32 = 1.0 / 512.0;
 
+/// A paste with a smaller share cannot be seen, even with a dozen like it.
+const NOTHING_SHOWN: f32 = NOTHING_LEFT / 16.0;
+
 /// A lapped texture bound to its mesh, ready to be asked.
 #[derive(Debug)]
 pub struct Composite<'a> {
@@ -20,6 +23,51 @@ pub struct Composite<'a> {
     lapped: &'a LappedTexture,
     lists: FaceLists,
     channels: ChannelSet,
+    /// One past the last paste of each layer.
+    layer_ends: Vec<u32>,
+}
+
+/// What is left to see through, from the top down.
+struct Clear<'a> {
+    composite: &'a Composite<'a>,
+    at: SurfacePoint,
+    /// What the layers above let through.
+    above: f32,
+    /// What the pastes of this layer let through so far.
+    inside: f32,
+    /// This layer and its weight here.
+    layer: usize,
+    weight: f32,
+}
+
+impl<'a> Clear<'a> {
+    fn new(composite: &'a Composite<'a>, at: SurfacePoint) -> Self {
+        Self { composite, at, above: 1.0, inside: 1.0, layer: usize::MAX, weight: 1.0 }
+    }
+
+    /// The share of a point that a paste gets if it is opaque.
+    fn share(&mut self, paste: u32) -> f32 {
+        let ends = &self.composite.layer_ends;
+        if !ends.is_empty() {
+            let layer = ends.partition_point(|&end| end <= paste);
+            if layer != self.layer {
+                self.above = self.rest();
+                self.inside = 1.0;
+                self.layer = layer;
+                self.weight = self.composite.lapped.layers.get(layer).map_or(1.0, |l| l.weight(self.at));
+            }
+        }
+        self.above * self.weight * self.inside
+    }
+
+    fn take(&mut self, alpha: f32) {
+        self.inside *= 1.0 - alpha;
+    }
+
+    /// What all of them let through.
+    fn rest(&self) -> f32 {
+        if self.weight == 1.0 { self.above * self.inside } else { self.above * (1.0 - self.weight * (1.0 - self.inside)) }
+    }
 }
 
 impl<'a> Composite<'a> {
@@ -28,7 +76,12 @@ impl<'a> Composite<'a> {
     pub fn new(mesh: &'a Mesh, lapped: &'a LappedTexture) -> Self {
         let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
         let channels = lapped.exemplars.iter().fold(ChannelSet::default(), |set, e| set.union(e.channels()));
-        Self { mesh, lapped, lists, channels }
+        let ends = |end: &mut u32, layer: &Layer| {
+            *end += layer.pastes;
+            Some(*end)
+        };
+        let layer_ends = lapped.layers.iter().scan(0, ends).collect();
+        Self { mesh, lapped, lists, channels, layer_ends }
     }
 
     /// The pastes on each face.
@@ -40,11 +93,12 @@ impl<'a> Composite<'a> {
     /// Alpha of all pastes together at a point, at the finest level.
     #[must_use]
     pub fn alpha(&self, at: SurfacePoint) -> f32 {
-        let mut clear = 1.0;
+        let mut clear = Clear::new(self, at);
         for &(paste, slot) in self.lists.of(at.face).iter().rev() {
-            clear *= 1.0 - paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, at.bary);
+            clear.share(paste);
+            clear.take(paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, at.bary));
         }
-        1.0 - clear
+        1.0 - clear.rest()
     }
 
     /// Adds what one paste shows; returns its alpha.
@@ -175,14 +229,17 @@ impl SurfaceTexture for Composite<'_> {
             emissive: Vec3::ZERO,
             opacity: 0.0,
         };
-        let mut clear = 1.0;
+        let mut clear = Clear::new(self, at);
         for &entry in self.lists.of(at.face).iter().rev() {
-            let alpha = self.add(&mut sum, clear, entry, &ground, at, footprint);
-            clear *= 1.0 - alpha;
-            if clear < NOTHING_LEFT {
+            let share = clear.share(entry.0);
+            if share >= NOTHING_SHOWN {
+                clear.take(self.add(&mut sum, share, entry, &ground, at, footprint));
+            }
+            if clear.rest() < NOTHING_LEFT {
                 break;
             }
         }
+        let clear = clear.rest();
         let total = 1.0 - clear;
         if total <= 0.0 {
             return Texel::empty(normal);

@@ -1,7 +1,8 @@
 //! The result of pasting: texture patches and the ordered pastes of them (LT 3.5).
 
 use crate::exemplar::{Exemplar, TexturePatch};
-use glam::Vec2;
+use crate::mesh::SurfacePoint;
+use glam::{Vec2, Vec3};
 
 /// One texture patch laid on one surface patch.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +27,30 @@ pub struct LappedTexture {
     pub patches: Vec<TexturePatch>,
     /// The pastes, bottom first.
     pub pastes: Vec<Paste>,
+    /// The layers that the pastes belong to, one after the other in paint order; together they hold every paste. Empty: all
+    /// pastes are one layer of weight 1.
+    pub layers: Vec<Layer>,
+}
+
+/// Pastes of one region of the surface, and how much of them shows where. Within a layer pastes lie over each other as
+/// ever; the layer as a whole is then mixed with the ones below it by its weight.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Layer {
+    /// What the region is called; may be empty.
+    pub name: String,
+    /// How many pastes it has.
+    pub pastes: u32,
+    /// Per face, the weight at its three corners, 0 to 1, linear between them. Empty: 1 everywhere.
+    pub weights: Vec<[f32; 3]>,
+}
+
+impl Layer {
+    /// Its weight at a point.
+    #[inline]
+    #[must_use]
+    pub fn weight(&self, at: SurfacePoint) -> f32 {
+        self.weights.get(at.face as usize).map_or(1.0, |w| Vec3::from(*w).dot(at.bary).clamp(0.0, 1.0))
+    }
 }
 
 /// For each face the pastes on it, bottom first.

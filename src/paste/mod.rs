@@ -23,7 +23,7 @@ pub mod statistics;
 pub use composite::Composite;
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};
-pub use lapped::{FaceLists, LappedTexture, Paste};
+pub use lapped::{FaceLists, LappedTexture, Layer, Paste};
 pub use statistics::SpreadSummary;
 
 use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
@@ -295,7 +295,7 @@ pub fn paste(
         pastes = permute(pastes, &order);
         edges = permute(edges, &order);
     }
-    let mut lapped = LappedTexture { exemplars, patches, pastes };
+    let mut lapped = LappedTexture { exemplars, patches, pastes, layers: Vec::new() };
     let left = order::cull(mesh, &mut lapped, &masks, &|f| f64::from(pitch[f as usize]), options.cull);
     edges = permute(edges, &left);
     let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);

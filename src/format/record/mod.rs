@@ -89,6 +89,19 @@ impl Record {
 }
 
 fn check_lapped(lapped: &LappedTexture, faces: usize) -> Result<(), (String, String)> {
+    for (k, layer) in lapped.layers.iter().enumerate() {
+        let fail = |what: String| Err((format!("layer {k}"), what));
+        if ![0, faces].contains(&layer.weights.len()) {
+            return fail(format!("it has weights for {} faces, not for {faces}", layer.weights.len()));
+        }
+        if layer.weights.as_flattened().iter().any(|w| !(0.0..=1.0).contains(w)) {
+            return fail("a weight is not between 0 and 1".into());
+        }
+    }
+    let held: u64 = lapped.layers.iter().map(|l| u64::from(l.pastes)).sum();
+    if !lapped.layers.is_empty() && held != lapped.pastes.len() as u64 {
+        return Err(("layers".into(), format!("they hold {held} of {} pastes", lapped.pastes.len())));
+    }
     for (k, patch) in lapped.patches.iter().enumerate() {
         let fail = |what: String| Err((format!("patch {k}"), what));
         if usize::from(patch.exemplar) >= lapped.exemplars.len() {

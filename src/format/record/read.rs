@@ -9,7 +9,7 @@ use crate::format::gltf::{glb, scene, uri};
 use crate::format::model::{FaceGroup, Model, Source};
 use crate::format::picture::{Transfer, decode};
 use crate::format::{FormatError, read_file};
-use crate::paste::{LappedTexture, Paste};
+use crate::paste::{LappedTexture, Layer, Paste};
 use glam::{Vec2, Vec3, Vec4};
 use image::ImageFormat;
 use serde::Deserialize;
@@ -59,7 +59,17 @@ struct Extension {
     patches: Vec<PatchEntry>,
     pastes: PasteTables,
     #[serde(default)]
+    layers: Vec<LayerEntry>,
+    #[serde(default)]
     job: Value,
+}
+
+#[derive(Debug, Deserialize)]
+struct LayerEntry {
+    #[serde(default)]
+    name: String,
+    pastes: u32,
+    weight: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -128,10 +138,11 @@ fn parse(file: &[u8], folder: Option<&Path>) -> Result<Record, Problem> {
     let exemplars = extension.exemplars.iter().enumerate().map(|(k, e)| read_exemplar(&data, k, e)).collect::<Result<_, _>>()?;
     let patches = extension.patches.iter().enumerate().map(|(k, p)| read_patch(&data, k, p)).collect::<Result<_, _>>()?;
     let pastes = read_pastes(&data, &extension.pastes)?;
+    let layers = extension.layers.into_iter().map(|l| read_layer(&data, l)).collect::<Result<_, _>>()?;
     let vectors = |a: usize| Ok(data.floats::<3>(a)?.into_iter().map(Vec3::from_array).collect());
     let record = Record {
         model,
-        lapped: LappedTexture { exemplars, patches, pastes },
+        lapped: LappedTexture { exemplars, patches, pastes, layers },
         field: extension.field.map(vectors).transpose()?,
         source_face: extension.source_face.map(|a| data.indices(a)).transpose()?,
         generator: document.asset.generator.clone().unwrap_or_default(),
@@ -217,6 +228,15 @@ fn read_patch(data: &Data<'_>, index: usize, entry: &PatchEntry) -> Result<Textu
         centre: point(entry.centre),
         weight: entry.weight as f32,
     })
+}
+
+fn read_layer(data: &Data<'_>, entry: LayerEntry) -> Result<Layer, Problem> {
+    let weights = entry.weight.map_or(Ok(Vec::new()), |a| data.floats::<1>(a))?;
+    let (corners, rest) = weights.as_flattened().as_chunks::<3>();
+    if !rest.is_empty() {
+        return Err(Problem::damaged("layers", "a layer's weights are not three a face"));
+    }
+    Ok(Layer { name: entry.name, pastes: entry.pastes, weights: corners.to_vec() })
 }
 
 fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Problem> {

@@ -7,6 +7,7 @@ use crate::format::FormatError;
 use crate::format::gltf::glb;
 use crate::format::output::write_file;
 use crate::format::picture::{Transfer, encode_png};
+use crate::paste::Layer;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -133,6 +134,7 @@ impl<'a> Glb<'a> {
         }
         put("patches", Some(patches.into()));
         put("pastes", Some(self.pastes(record)));
+        put("layers", (!lapped.layers.is_empty()).then(|| self.layers(&lapped.layers)));
         put("job", (!record.job.is_null()).then(|| record.job.clone()));
         Ok(extension)
     }
@@ -161,6 +163,20 @@ impl<'a> Glb<'a> {
         }
         let list = exemplars.iter().zip(images);
         Ok(list.map(|(e, images)| json!({ "name": e.name, "images": images, "size": e.size(), "wrap": e.wrap })).collect())
+    }
+
+    fn layers(&mut self, layers: &'a [Layer]) -> Value {
+        let mut list = Vec::with_capacity(layers.len());
+        for layer in layers {
+            let weights = layer.weights.as_flattened();
+            let accessor = self.vectors(None, weights.len(), |k| [weights[k]]);
+            let mut value = json!({ "name": layer.name, "pastes": layer.pastes });
+            if let Some(accessor) = accessor {
+                value["weight"] = accessor.into();
+            }
+            list.push(value);
+        }
+        list.into()
     }
 
     fn pastes(&mut self, record: &'a Record) -> Value {
