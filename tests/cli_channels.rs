@@ -53,14 +53,17 @@ fn a_normal_map_of_either_convention_gives_the_same_record() {
 #[test]
 fn every_channel_may_be_named_and_sizes_are_brought_together() {
     let place = place();
-    let grey = |name: &str, value: u8, size| image::GrayImage::from_pixel(size, size, image::Luma([value])).save(place.path(name)).unwrap();
+    let grey = |name: &str, value: u8, size| {
+        image::GrayImage::from_pixel(size, size, image::Luma([value])).save(place.path(name)).unwrap()
+    };
     grey("a.png", 51, 16);
     grey("b.png", 102, 256);
     grey("c.png", 204, 256);
     let size = image::open(place.path("one.png")).unwrap().width();
     image::RgbImage::from_pixel(size, size, image::Rgb([9, 0, 200])).save(place.path("glow.png")).unwrap();
     let flags = ["--normal", "up.png", "--height", "two.png", "--roughness", "a.png", "--metallic", "b.png"];
-    let (_, said) = paste(&place, &[&flags[..], &["--occlusion", "c.png", "--emissive", "glow.png", "--opacity", "c.png"]].concat());
+    let (_, said) =
+        paste(&place, &[&flags[..], &["--occlusion", "c.png", "--emissive", "glow.png", "--opacity", "c.png"]].concat());
     assert!(said.contains("a.png: 16 x 16 pixels were resampled"), "{said}");
     let record = lapped::format::read_record(&place.path("out/a.glb")).unwrap();
     let exemplar = &record.lapped.exemplars[0];

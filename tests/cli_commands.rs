@@ -142,6 +142,35 @@ fn help_and_version_go_to_stdout_and_every_command_shows_examples() {
 }
 
 #[test]
+fn completions_and_manual_pages_know_every_command_and_flag() {
+    let place = Place::new();
+    let (help, _) = succeeds(&place, &["paste", "--help"]);
+    let flags: Vec<&str> = help
+        .split_whitespace()
+        .filter(|w| w.starts_with("--") && w[2..].chars().all(|c| c.is_ascii_lowercase() || c == '-'))
+        .collect();
+    assert!(flags.len() > 30, "flags of the help: {flags:?}");
+    std::fs::create_dir(place.path("out/man")).unwrap();
+    succeeds(&place, &["man", "-o", "out/man"]);
+    let page = std::fs::read_to_string(place.path("out/man/lapped-paste.1")).unwrap().replace("\\-", "-");
+    let mut texts = vec![("lapped-paste.1", page)];
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        texts.push((shell, succeeds(&place, &["completions", shell]).0));
+    }
+    for (what, text) in &texts {
+        let missing: Vec<_> = flags.iter().filter(|f| !text.contains(if *what == "fish" { &f[2..] } else { f })).collect();
+        assert!(missing.is_empty(), "{what} lacks {missing:?}");
+    }
+    let pages = place.files("out/man");
+    assert!(
+        ["lapped.1", "lapped-demo.1", "lapped-inspect.1", "lapped-render.1"].iter().all(|p| pages.contains(&(*p).to_owned())),
+        "{pages:?}"
+    );
+    let (whole, _) = succeeds(&place, &["man"]);
+    assert!(whole.contains(".TH lapped 1"), "{whole}");
+}
+
+#[test]
 fn wrong_usage_exits_with_2_and_shows_usage() {
     let place = Place::new();
     let lines: [&[&str]; 10] = [

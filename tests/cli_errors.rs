@@ -121,7 +121,9 @@ fn an_exemplar_that_cannot_be_read_is_told() {
         eprintln!("{}", refuses(&place, &paste("mesh.obj", exemplar, &[]), &[exemplar]));
     }
     image::RgbImage::new(2, 2).save(place.path("tiny.png")).unwrap();
-    eprintln!("{}", refuses(&place, &paste("mesh.obj", "tiny.png", &[]), &["tiny"]));
+    eprintln!("{}", refuses(&place, &paste("mesh.obj", "tiny.png", &[]), &["error: tiny.png"]));
+    // Of several the one at fault is named.
+    refuses(&place, &["paste", "mesh.obj", "wood.png", "tiny.png", "-o", "out/a.glb", "-q"], &["error: tiny.png"]);
 }
 
 #[test]
@@ -134,14 +136,14 @@ fn absurd_numbers_are_told_with_the_flag_or_what_would_do() {
         (&["--scale", "inf"], &["--scale"]),
         (&["--scale", "1e-9"], &["scale", "1.000e-9"]),
         (&["--scale", "1e30"], &["scale", "1.000e30"]),
-        (&["--scale", "1e-60"], &["scale"]),
+        (&["--scale", "1e-60"], &["a scale of 1e-60"]),
         (&["--ratio", "0"], &["--ratio"]),
         (&["--ratio", "1e30"], &["scale"]),
         (&["--ratio", "1e-30"], &["scale"]),
         (&["--weld=-1"], &["--weld"]),
         (&["--weights", "1,2"], &["--weights"]),
         (&["--weights", "0"], &["--weights"]),
-        (&["--feather", "1e9"], &["feather"]),
+        (&["--feather", "1e9"], &["--feather", "1e9 pixels", "256 x 256", "at most 102"]),
         (&["--distortion", "0"], &["distortion"]),
     ];
     for (extra, names) in cases {
@@ -164,7 +166,11 @@ fn files_of_options_that_are_wrong_are_told() {
     for file in ["missing.json", "broken.json", "line.json", "cross.json", "missing.png"] {
         eprintln!("{}", refuses(&place, &paste("mesh.obj", "wood.png", &["--patch", file]), &[file]));
     }
-    refuses(&place, &paste("mesh.obj", "wood.png", &["--field", "field.json"]), &["the field has 1 vectors"]);
+    refuses(
+        &place,
+        &paste("mesh.obj", "wood.png", &["--field", "field.json"]),
+        &["error: field.json: ", "the field has 1 vectors"],
+    );
     refuses(&place, &paste("mesh.obj", "wood.png", &["--patch", "square"]), &["square"]);
     refuses(&place, &paste("mesh.obj", "wood.png", &["--scale-field", "key.json"]), &["--scale-field"]);
 }
@@ -180,6 +186,8 @@ fn output_that_cannot_be_written_is_told_and_nothing_is_left() {
     run(&["paste", "mesh.obj", "wood.png", "-o", "mesh.obj/a.glb", "-q"], &["mesh.obj"]);
     run(&["render", "mesh.obj", "-o", "nowhere/a.png", "--size", "32x32"], &["nowhere"]);
     assert_eq!(place.files("out2"), ["folder.glb"], "only what was there");
+    run(&["inspect", "mesh.obj", "--report", "nowhere/a.json"], &["nowhere"]);
+    run(&["demo", "-o", "out", "--report", "nowhere/a.json"], &["nowhere"]);
     // A file in place of the folder.
     run(&["demo", "-o", "mesh.obj"], &["mesh.obj"]);
     assert_eq!(std::fs::read_to_string(place.path("mesh.obj")).unwrap(), OCTAHEDRON, "the file that stood in the way is untouched");
@@ -223,4 +231,33 @@ fn a_record_that_is_there_already_survives_a_failed_run() {
     assert_eq!(std::fs::read_to_string(kept).unwrap(), "something dear", "the old file is untouched");
     let hidden: Vec<String> = place.files(".").into_iter().filter(|f| f.starts_with('.')).collect();
     assert!(hidden.is_empty(), "no temporary file: {hidden:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_says_so_and_leaves_nothing_behind() {
+    let place = Place::new();
+    let mesh = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/meshes/dragonling_25k.ply");
+    let child = place.start(&["paste", mesh, "wood.png", "-o", "out/a.glb", "--ratio", "4000"]);
+    std::thread::sleep(std::time::Duration::from_millis(700));
+    let sent = std::process::Command::new("sh").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
+    assert!(sent.success(), "the signal was sent: a run of many seconds was not over yet");
+    let out = child.wait_with_output().unwrap();
+    let said = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(130), "what shells expect: {said}");
+    assert!(said.contains("error: interrupted") && said.contains("run again"), "{said}");
+    assert!(place.files("out").is_empty(), "left behind: {:?}", place.files("out"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_and_the_old_file_stays() {
+    let place = Place::new();
+    let told = refuses(&place, &["render", "mesh.obj", "-o", "/dev/full", "--size", "64x64"], &["/dev/full", "disk is full"]);
+    eprintln!("{told}");
+    refuses(
+        &place,
+        &paste("mesh.obj", "wood.png", &[]).iter().map(|a| if *a == "out/a.glb" { "/dev/full" } else { a }).collect::<Vec<_>>(),
+        &["/dev/full", "disk is full"],
+    );
 }

@@ -5,7 +5,7 @@ use super::{Common, picture, report};
 use crate::assets::{exemplar, mesh};
 use crate::exemplar::PatchSource;
 use crate::exemplar::PatchSpec;
-use crate::format::write_record;
+use crate::format::{check_output, write_record};
 use crate::job::{ExemplarInput, JobReport, PasteJob, Scale, Steer, paste_model};
 use crate::paste::Composite;
 use crate::render::{Picture, PreviewStyle, Subject, UpAxis, View, preview};
@@ -98,6 +98,7 @@ struct ShowReport {
 /// If a file cannot be written.
 pub fn run(args: &DemoArgs) -> anyhow::Result<()> {
     let begin = Instant::now();
+    args.common.report.iter().try_for_each(|p| check_output(p))?;
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("{}: the folder cannot be made; choose another with --output", args.output.display()))?;
     let bar = Bar::new(args.common.quiet);

@@ -3,9 +3,14 @@
 use super::{Common, report};
 use crate::exemplar::Channel;
 use crate::field::{DEFAULT_RATIO, default_scale};
-use crate::format::{ExemplarOptions, Model, Record, holds_record, read_exemplar, read_file, read_model_bytes, read_record_bytes};
+use crate::format::{
+    ExemplarOptions, FaceGroup, Model, Record, check_output, holds_record, read_exemplar, read_file, read_model_bytes,
+    read_record_bytes,
+};
+use crate::job::estimate::{self, Estimate, Work};
+use crate::mesh::clean::OpenComponent;
 use crate::mesh::{CleanOptions, CleanReport, clean};
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
@@ -45,7 +50,7 @@ struct MeshReport {
     unit: Option<String>,
     has_uvs: bool,
     has_colors: bool,
-    groups: usize,
+    groups: Vec<FaceGroup>,
     notes: Vec<String>,
     clean: CleanReport,
     bounds_min: [f32; 3],
@@ -53,8 +58,8 @@ struct MeshReport {
     area: f64,
     /// World length of one exemplar width that `paste` would choose for a square exemplar.
     default_scale: f64,
-    /// Pastes at that scale, roughly.
-    estimated_pastes: u64,
+    /// What `paste` would take at that scale with [`USUAL_EXEMPLAR`], following an axis.
+    estimate: Estimate,
     lapped: Option<LappedReport>,
 }
 
@@ -81,14 +86,21 @@ struct ImageReport {
     warnings: Vec<String>,
 }
 
-/// Opaque share of a splotch, for estimates.
-const SPLOTCH_SHARE: f64 = 0.6;
+/// Pixels and components of the exemplar that estimates suppose: a colour image of 512 x 512.
+const USUAL_EXEMPLAR: (f64, usize) = (512.0 * 512.0, 3);
+
+/// Groups of faces that are told by name.
+const MOST_GROUPS: usize = 12;
 
 /// Runs the command.
 ///
 /// # Errors
 /// If the file cannot be read as a mesh, a record or an image.
 pub fn run(args: &InspectArgs) -> anyhow::Result<()> {
+    args.common.report.iter().try_for_each(|p| check_output(p))?;
+    if !(args.weld >= 0.0 && args.weld.is_finite()) {
+        bail!("--weld is {}: give a length in world units, 0 or more", args.weld);
+    }
     let is_image = image::ImageFormat::from_path(&args.file).is_ok() || args.file.is_dir();
     if is_image {
         let (exemplar, warnings) = read_exemplar(&args.file, &ExemplarOptions::default())?;
@@ -151,14 +163,14 @@ fn mesh_report(args: &InspectArgs, model: &Model, lapped: Option<LappedReport>) 
         unit: source.unit.clone(),
         has_uvs: model.uvs.is_some(),
         has_colors: model.colors.is_some(),
-        groups: model.groups.len(),
+        groups: model.groups.clone(),
         notes: source.notes.clone(),
-        clean: cleaned.report,
         bounds_min: low.to_array(),
         bounds_max: high.to_array(),
         area: cleaned.mesh.total_area(),
         default_scale: default_scale(&cleaned.mesh, DEFAULT_RATIO, 1.0),
-        estimated_pastes: (crate::paste::PASTES_PER_COVER * DEFAULT_RATIO / SPLOTCH_SHARE) as u64,
+        estimate: Estimate::new(&Work { exemplars: vec![USUAL_EXEMPLAR], ..Work::new(&cleaned.report, DEFAULT_RATIO, true, &[]) }),
+        clean: cleaned.report,
         lapped,
     })
 }
@@ -187,7 +199,8 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
         (c.degenerate_faces, "faces without area dropped"),
         (c.duplicate_faces, "second copies of faces set aside"),
         (c.flipped_faces, "faces turned"),
-        (c.turned_components, "components turned inside out"),
+        (c.turned_components, "closed components were inside out and are turned"),
+        (c.one_sided_components, "components have one side only and are cut open"),
         (c.non_manifold_edges, "edges with more than two faces parted"),
         (c.non_manifold_vertices, "vertices with several fans parted"),
     ];
@@ -196,8 +209,22 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
         "  shape         {} component(s), {} open; {} boundary edge(s) in {} loop(s); Euler characteristic {}\n",
         c.components, c.open_components, c.boundary_edges, c.boundary_loops, c.euler_characteristic
     );
-    let size: Vec<String> = (0..3).map(|k| format!("{:.4}", m.bounds_max[k] - m.bounds_min[k])).collect();
-    text += &format!("  size          {}, area {:.6}\n", size.join(" x "), m.area);
+    for open in &c.largest_open {
+        text += &format!("                open: {}\n", open_text(open, &m.groups));
+    }
+    if c.open_components > c.largest_open.len() {
+        text += &format!("                and {} smaller open ones\n", c.open_components - c.largest_open.len());
+    }
+    for group in m.groups.iter().take(MOST_GROUPS) {
+        text += &format!("  faces         {}: {}\n", group_text(group), group.count);
+    }
+    if m.groups.len() > MOST_GROUPS {
+        text += &format!("                and {} more groups\n", m.groups.len() - MOST_GROUPS);
+    }
+    let at = |p: [f32; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
+    text += &format!("  bounds        {} to {}\n", at(m.bounds_min), at(m.bounds_max));
+    let size: Vec<String> = (0..3).map(|k| format!("{}", significant(f64::from(m.bounds_max[k] - m.bounds_min[k])))).collect();
+    text += &format!("  size          {}, area {}\n", size.join(" x "), significant(m.area));
     match &m.lapped {
         Some(l) => {
             text += &format!(
@@ -209,12 +236,52 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
             }
         }
         None => {
+            let e = &m.estimate;
             text += &format!(
-                "  paste         would choose --scale {:.4}: about {} pastes of a square exemplar\n",
-                m.default_scale, m.estimated_pastes
+                "  paste         would choose --scale {}; with 512 x 512 pixels of colour about {:.0} pastes, {} of memory, {}\n",
+                significant(m.default_scale),
+                e.pastes,
+                estimate::in_words(e.memory_bytes),
+                seconds_text(e.seconds)
             );
         }
     }
     m.notes.iter().for_each(|n| text += &format!("  note          {n}\n"));
     text
+}
+
+/// A number with four digits that count, however large or small.
+fn significant(number: f64) -> String {
+    let digits = 3 - number.abs().log10().floor().clamp(-99.0, 99.0) as i32;
+    match number {
+        0.0 => "0".to_owned(),
+        n if (0..=9).contains(&digits) => format!("{n:.*}", digits as usize),
+        n if (-5..0).contains(&digits) => format!("{n:.0}"),
+        n => format!("{n:.3e}"),
+    }
+}
+
+fn seconds_text(seconds: f64) -> String {
+    match seconds {
+        s if s < 90.0 => format!("{:.0} s", s.ceil()),
+        s if s < 5400.0 => format!("{:.0} minutes", s / 60.0),
+        s => format!("{:.1} hours", s / 3600.0),
+    }
+}
+
+/// An open component by its size and, if the file names it, its name.
+fn open_text(open: &OpenComponent, groups: &[FaceGroup]) -> String {
+    let named = groups.iter().find(|g| (g.start as usize..(g.start + g.count) as usize).contains(&open.first_face));
+    let name = named.map_or_else(
+        || format!("around face {}", open.first_face),
+        |g| format!("{}, around face {}", group_text(g), open.first_face),
+    );
+    format!("{} faces with {} boundary edges ({name})", open.faces, open.boundary_edges)
+}
+
+fn group_text(group: &FaceGroup) -> String {
+    let part = |kind: &str, name: &str| (!name.is_empty()).then(|| format!("{kind} {name:?}"));
+    let parts = [part("object", &group.object), part("group", &group.group), part("material", &group.material)];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    if parts.is_empty() { "unnamed".to_owned() } else { parts.join(", ") }
 }

@@ -1,15 +1,19 @@
 //! The command line: one file a subcommand.
 //!
-//! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 an error in the input or the job, 2 wrong usage.
+//! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 an error in the input or the job, 2 wrong usage, 130
+//! interrupted.
 
 pub mod bar;
 pub mod channels;
 pub mod demo;
 pub mod inspect;
+pub mod job_file;
 pub mod paste;
 pub mod picture;
+pub mod region;
 pub mod render;
 pub mod report;
+pub mod shell;
 
 use clap::{Args, Parser, Subcommand};
 use std::io::{IsTerminal, Write};
@@ -47,6 +51,10 @@ enum Command {
     Render(render::RenderArgs),
     /// Say what is in a mesh, a record or an image, and what cleaning would do
     Inspect(inspect::InspectArgs),
+    /// Print a script that completes commands and flags in a shell
+    Completions(shell::CompletionsArgs),
+    /// Print the manual page
+    Man(shell::ManArgs),
 }
 
 /// What every command takes.
@@ -87,11 +95,14 @@ impl Common {
 /// Runs a command line.
 #[must_use]
 pub fn run(cli: Cli) -> ExitCode {
+    stop_cleanly();
     let done = match &cli.command {
         Command::Demo(args) => with_threads(&args.common, || demo::run(args)),
         Command::Paste(args) => with_threads(&args.common, || paste::run(args)),
         Command::Render(args) => with_threads(&args.common, || render::run(args)),
         Command::Inspect(args) => with_threads(&args.common, || inspect::run(args)),
+        Command::Completions(args) => shell::completions(args),
+        Command::Man(args) => shell::man(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
@@ -101,6 +112,19 @@ pub fn run(cli: Cli) -> ExitCode {
             ExitCode::from(1)
         }
     }
+}
+
+/// What shells expect of a program that ended on Ctrl-C.
+const INTERRUPTED: i32 = 130;
+
+/// Makes interruptions (Ctrl-C, a closing terminal, `kill`) leave no temporary file.
+fn stop_cleanly() {
+    // Where no handler can be set, the default one ends the program, as ever.
+    let _ = ctrlc::set_handler(|| {
+        let _nothing_more = crate::format::abandon_outputs();
+        let _ = writeln!(std::io::stderr(), "\nerror: interrupted: no unfinished file was left behind; run again for a result");
+        std::process::exit(INTERRUPTED);
+    });
 }
 
 /// Runs on as many threads as asked for.

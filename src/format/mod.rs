@@ -22,7 +22,7 @@ mod text;
 pub use error::{FormatError, Warning};
 pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_exemplar_bytes, read_mask};
 pub use model::{FaceGroup, Model, Source};
-pub use output::{check_output, write_file};
+pub use output::{abandon_outputs, check_output, write_file};
 pub use picture::save_image;
 pub use record::{Record, holds_record, read_record, read_record_bytes, write_record};
 

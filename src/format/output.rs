@@ -1,9 +1,11 @@
 //! Writing files so that there is never half of one: to a temporary file beside the target, then renamed onto it.
 
 use super::error::FormatError;
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Bytes gathered before they go to the operating system.
 const BUFFER: usize = 1 << 20;
@@ -23,7 +25,7 @@ pub fn write_file(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
 pub fn check_output(path: &Path) -> Result<(), FormatError> {
     let probe = || match target_of(path)? {
         Target::Special(_) => Ok(()),
-        Target::File(target) => temporary_for(&target).map(drop),
+        Target::File(target) => with_temporary(&target, |_| Ok(())),
     };
     probe().map_err(|e: io::Error| explain(path, &e))
 }
@@ -53,8 +55,39 @@ fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) ->
         Target::Special(target) => return fill(fs::File::create(&target)?, content).map(drop),
         Target::File(target) => target,
     };
-    let temporary = fill(temporary_for(&target)?, content)?;
-    temporary.persist(&target).map(drop).map_err(|e| e.error)
+    with_temporary(&target, |temporary| fill(temporary, content)?.persist(&target).map(drop).map_err(|e| e.error))
+}
+
+/// Temporary files that exist now.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// For a process about to end in the middle of writing: removes its temporary files. While the guard that is returned
+/// lives, no new one is made.
+pub fn abandon_outputs() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    let mut unfinished = unfinished();
+    while let Some(path) = unfinished.pop_first() {
+        // What is gone already, or just got its final name, needs no removing.
+        let _ = fs::remove_file(path);
+    }
+    unfinished
+}
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Works with a temporary file in the folder of a file; it is gone afterwards if it was not renamed.
+fn with_temporary<T>(target: &Path, work: impl FnOnce(tempfile::NamedTempFile) -> io::Result<T>) -> io::Result<T> {
+    let (file, path) = {
+        let mut unfinished = unfinished();
+        let file = temporary_for(target)?;
+        let path = file.path().to_owned();
+        unfinished.insert(path.clone());
+        (file, path)
+    };
+    let done = work(file);
+    unfinished().remove(&path);
+    done
 }
 
 /// A temporary file in the folder of a file.
@@ -96,4 +129,26 @@ fn explain(path: &Path, error: &io::Error) -> FormatError {
         _ => (error.to_string(), "choose another place, or check the disk".into()),
     };
     FormatError::Write { path: path.to_owned(), what, remedy }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{abandon_outputs, write_file};
+
+    #[test]
+    fn a_process_that_ends_while_writing_takes_its_temporary_file_along() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let target = folder.path().join("kept");
+        std::fs::write(&target, "what was here").expect("written");
+        let list = || std::fs::read_dir(folder.path()).expect("a folder").count();
+        let failed = write_file(&target, |out| {
+            out.write_all(&[7; 3 << 20])?;
+            assert_eq!(list(), 2, "a temporary file is there");
+            drop(abandon_outputs());
+            assert_eq!(list(), 1, "and gone");
+            Ok(())
+        });
+        assert!(failed.is_err(), "half a file never gets the final name");
+        assert_eq!(std::fs::read(&target).expect("read"), b"what was here", "the old file is whole");
+    }
 }

@@ -7,6 +7,7 @@
 //! 5. Bring the pastes back onto the model's own faces.
 
 use super::bind::Outgoing;
+use super::estimate::{Estimate, Work, in_words};
 use crate::exemplar::extend::extend_exemplar;
 use crate::exemplar::{
     Channel, Exemplar, ExemplarError, PatchOptions, PatchSource, PatchSpec, TexturePatch, make_patches, opacity_is_outline,
@@ -87,6 +88,8 @@ pub struct PasteJob {
     pub patches: PatchOptions,
     /// How to paste.
     pub paste: PasteOptions,
+    /// Memory the job may take, bytes; one that is estimated to take more is refused. `None` sets no bound.
+    pub memory: Option<f64>,
 }
 
 /// Why a job ended without a result.
@@ -97,14 +100,60 @@ pub enum JobError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
     /// An exemplar.
-    #[error(transparent)]
-    Exemplar(#[from] ExemplarError),
+    #[error("{source}")]
+    Exemplar {
+        /// Its place among the exemplars given.
+        index: usize,
+        /// What is wrong.
+        source: ExemplarError,
+    },
+    /// A scale that no number of the mesh's precision can hold.
+    #[error("a scale of {0:e} (world length of one exemplar width) cannot be used: give a finite length above zero, like 0.5")]
+    Scale(f64),
+    /// A feather wider than the exemplar.
+    #[error("a feather of {feather:e} pixels leaves nothing of an exemplar of {} x {}: give at most {most:.0}", size[0], size[1])]
+    Feather {
+        /// Pixels asked for.
+        feather: f32,
+        /// The exemplar's size.
+        size: [u32; 2],
+        /// Pixels that would do.
+        most: f32,
+    },
     /// The field.
     #[error(transparent)]
     Field(#[from] FieldError),
     /// Pasting.
     #[error(transparent)]
     Paste(#[from] PasteError),
+    /// Where a region lies.
+    #[error(transparent)]
+    Area(#[from] super::area::AreaError),
+    /// One of several regions.
+    #[error("region {} ({name:?}): {source}", index + 1)]
+    Region {
+        /// Its place, from 0.
+        index: usize,
+        /// Its name.
+        name: String,
+        /// What is wrong.
+        source: Box<JobError>,
+    },
+    /// More than the machine has.
+    #[error(
+        "this job takes about {} of memory ({faces} faces, {pastes:.0} pastes), but {} may be used: use a larger scale or a smaller \
+         exemplar, split the mesh, or allow more with --memory", in_words(*needed), in_words(*limit)
+    )]
+    Memory {
+        /// Estimated bytes.
+        needed: f64,
+        /// Bytes allowed.
+        limit: f64,
+        /// Faces of the mesh.
+        faces: usize,
+        /// Estimated pastes.
+        pastes: f64,
+    },
 }
 
 /// Figures of a job.
@@ -116,6 +165,8 @@ pub struct JobReport {
     pub scale: f64,
     /// Surface area over the first exemplar's area.
     pub ratio: f64,
+    /// What the job was thought to take.
+    pub estimate: Estimate,
     /// Faces that took their direction from neighbours, because the axis says nothing there.
     pub filled_faces: usize,
     /// What subdivision near singularities did.
@@ -124,6 +175,9 @@ pub struct JobReport {
     pub patches: usize,
     /// Figures of pasting.
     pub paste: PasteStatistics,
+    /// Figures of each region, if there are several.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub regions: Vec<super::regions::RegionReport>,
     /// What the user should know, one sentence each.
     pub warnings: Vec<String>,
     /// Seconds of cleaning, field and patches (wall).
@@ -161,12 +215,10 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
     report.patches = patches.len();
 
     progress.stage("making the field", 0);
-    let aspect = exemplars.first().map_or(1.0, |e| f64::from(e.size()[0]) / f64::from(e.size()[1]));
-    report.scale = match job.scale {
-        Scale::World(length) => length,
-        Scale::Ratio(ratio) => default_scale(&cleaned.mesh, ratio, aspect),
-    };
-    report.ratio = cleaned.mesh.total_area() * aspect / (report.scale * report.scale);
+    (report.scale, report.ratio) = scale_of(&cleaned.mesh, job, &exemplars)?;
+    let directed = !matches!(job.steer, Steer::Isotropic(_));
+    report.estimate = Estimate::new(&Work::new(&cleaned.report, report.ratio, directed, &exemplars));
+    allow(&report.estimate, cleaned.report.faces, job.memory)?;
     let (fine, guide) = steer(&cleaned, job, &mut report)?;
     let mesh = fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh);
     let difficulty = difficulty(mesh, &guide);
@@ -194,20 +246,51 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
     Ok(Pasted { record, mesh, lapped, guide, report })
 }
 
+/// World length of one exemplar width, and the mesh's area in areas of the first exemplar.
+pub(super) fn scale_of(mesh: &Mesh, job: &PasteJob, exemplars: &[Exemplar]) -> Result<(f64, f64), JobError> {
+    let aspect = exemplars.first().map_or(1.0, |e| f64::from(e.size()[0]) / f64::from(e.size()[1]));
+    let scale = match job.scale {
+        Scale::World(length) => length,
+        Scale::Ratio(ratio) => default_scale(mesh, ratio, aspect),
+    };
+    if !(scale as f32).is_normal() || scale < 0.0 {
+        return Err(JobError::Scale(scale));
+    }
+    Ok((scale, mesh.total_area() * aspect / (scale * scale)))
+}
+
+/// Above this many pastes the scale is a mistake, and pasting itself says which one would do.
+const ABSURD: f64 = 1e7;
+
+/// Refuses what would not fit into the memory there is.
+pub(super) fn allow(estimate: &Estimate, faces: usize, memory: Option<f64>) -> Result<(), JobError> {
+    let &Estimate { memory_bytes: needed, pastes, .. } = estimate;
+    match memory {
+        Some(limit) if needed > limit && pastes < ABSURD => Err(JobError::Memory { needed, limit, faces, pastes }),
+        _ => Ok(()),
+    }
+}
+
 /// Exemplars with their colours extended under transparency, and the patches cut from them.
-fn cut_patches(
+pub(super) fn cut_patches(
     inputs: Vec<ExemplarInput>,
     job: &PasteJob,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Exemplar>, Vec<TexturePatch>), JobError> {
     let (mut exemplars, mut patches) = (Vec::new(), Vec::new());
     for (index, mut input) in inputs.into_iter().enumerate() {
-        extend_exemplar(&mut input.exemplar)?;
+        let named = |source| JobError::Exemplar { index, source };
+        extend_exemplar(&mut input.exemplar).map_err(named)?;
         let feather = job.feather.unwrap_or_else(|| default_feather(input.exemplar.size()));
+        let size = input.exemplar.size();
+        let most = size[0].min(size[1]) as f32 * WIDEST_FEATHER;
+        if feather.is_finite() && feather > most.max(default_feather(size)) {
+            return Err(JobError::Feather { feather, size, most });
+        }
         let options = PatchOptions { feather, ..job.patches.clone() };
         let default = [PatchSpec { source: default_source(&input.exemplar, feather), weight: 1.0 }];
         let specs = if input.patches.is_empty() { &default[..] } else { &input.patches[..] };
-        let (cut, told) = make_patches(&input.exemplar, index as u16, specs, &options)?;
+        let (cut, told) = make_patches(&input.exemplar, index as u16, specs, &options).map_err(named)?;
         warnings.extend(told);
         // As an outline opacity is in the masks; as a channel as well it would let the ground show at every border.
         if opacity_is_outline(&input.exemplar, feather) {
@@ -222,6 +305,9 @@ fn cut_patches(
 
 /// The paper's 3 pixels were for images of about 200; on larger ones they cut like scissors.
 const FEATHER_SHARE: f32 = 0.015;
+
+/// A wider feather, as a share of the exemplar's smaller side, leaves no opaque middle.
+const WIDEST_FEATHER: f32 = 0.4;
 
 /// Pixels over which alpha falls off by default: 3, or 1.5 % of the exemplar's smaller side.
 #[must_use]
@@ -248,7 +334,7 @@ type Evaluate<'a> = dyn FnMut(&Subdivision) -> Result<TangentField, FieldError> 
 ///
 /// Faces of more than [`LARGEST_FACE`] are cut first: all pastes on a face are looked at for every point of it, when covering
 /// as when drawing. Then the faces around singularities of a field are.
-fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(Option<Subdivision>, Guide), JobError> {
+pub(super) fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -> Result<(Option<Subdivision>, Guide), JobError> {
     let scale = report.scale;
     let tractable = cleaned.mesh.total_area() <= MOST_TO_CUT * scale * scale;
     let start = if job.keep_faces || !tractable { None } else { cut_larger(&cleaned.mesh, LARGEST_FACE * scale * scale)? };

@@ -372,7 +372,12 @@ fn pair_half_edges(positions: &[Vec3], faces: &[[u32; 3]], report: &mut CleanRep
 }
 
 /// One vertex a fan: walks the fans of all faces and numbers vertices anew, in the order of first use.
-fn part_fans(positions: &[Vec3], mut faces: Vec<[u32; 3]>, opposite: Vec<u32>, report: &mut CleanReport) -> (Mesh, Vec<u32>) {
+pub(super) fn part_fans(
+    positions: &[Vec3],
+    mut faces: Vec<[u32; 3]>,
+    opposite: Vec<u32>,
+    report: &mut CleanReport,
+) -> (Mesh, Vec<u32>) {
     let count = 3 * faces.len() as u32;
     let mut vertex = vec![NONE; count as usize];
     let mut user_vertices = Vec::new();

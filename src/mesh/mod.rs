@@ -12,6 +12,7 @@ pub mod curvature;
 pub mod disc;
 pub mod geodesic;
 pub mod nearest;
+pub mod part;
 pub mod subdivide;
 pub mod transport;
 

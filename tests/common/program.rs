@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 /// A folder with input files and an empty one for output.
 pub(crate) struct Place {
@@ -35,6 +35,12 @@ impl Place {
     /// Runs the program in the folder.
     pub(crate) fn run(&self, args: &[&str]) -> Output {
         Command::new(env!("CARGO_BIN_EXE_lapped")).args(args).current_dir(self.folder.path()).output().unwrap()
+    }
+
+    /// Starts the program in the folder.
+    pub(crate) fn start(&self, args: &[&str]) -> std::process::Child {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_lapped"));
+        command.args(args).current_dir(self.folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
     /// All files below a folder, sorted.

@@ -181,12 +181,12 @@ fn settle_relief(found: &Found, options: &ExemplarOptions, images: &mut BTreeMap
                 let text = format!("its name says {named}, but its slopes look like {looks}; the name was believed");
                 warn(warnings, path, &text);
             } else {
-                note(warnings, path, &format!("a normal map of the {named} convention by its name"));
+                note(warnings, path, &format!("the convention of this normal map is {named}, by its name"));
             }
             named
         }
         (None, None) if telling => {
-            note(warnings, path, &format!("a normal map of the {looks} convention by its slopes"));
+            note(warnings, path, &format!("the convention of this normal map is {looks}, by its slopes"));
             looks
         }
         (None, None) => {
