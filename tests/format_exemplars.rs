@@ -250,7 +250,8 @@ fn normal_conventions_and_height_senses_are_told_from_the_maps() {
     }
     let named = at("a_normal_dx.png");
     y_down(normals.clone()).save(&named).unwrap();
-    let auto = ExemplarOptions { channels: [(Channel::Normal, named)].into(), bright_is_high: Some(true), ..ExemplarOptions::default() };
+    let auto =
+        ExemplarOptions { channels: [(Channel::Normal, named)].into(), bright_is_high: Some(true), ..ExemplarOptions::default() };
     let told = read_exemplar(&at("a_color.png"), &auto).unwrap().1;
     assert!(told.len() == 1 && told[0].note && told[0].text.contains("DirectX"), "the decision is told: {told:?}");
     let stated =
