@@ -135,6 +135,12 @@ fn every_mesh_of_the_corpus_has_the_counts_of_its_index() {
         for (corner, cell) in [("bounds_min", &size[1]), ("bounds_max", &size[2])] {
             for (k, expected) in numbers(cell).into_iter().enumerate() {
                 let found = told[corner][k].as_f64().unwrap();
+                if numbers(&row[13])[0] > 0.0 {
+                    // The index counts vertices without a face in; ours are the bounds of the surface.
+                    let within = if corner == "bounds_min" { found - expected } else { expected - found };
+                    assert!(within > -0.006 * expected.abs(), "{name}: {corner} {k}: {found} lies beyond {expected}");
+                    continue;
+                }
                 assert!((found - expected).abs() <= 0.006 * expected.abs() + 1e-5, "{name}: {corner} {k}: {found}, not {expected}");
             }
         }

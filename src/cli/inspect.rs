@@ -70,6 +70,8 @@ struct LappedReport {
     exemplars: Vec<ImageReport>,
     patches: usize,
     pastes: usize,
+    /// Names of its layers, from the bottom up.
+    layers: Vec<String>,
     draws_per_face: f64,
     has_field: bool,
     subdivided_faces: usize,
@@ -142,6 +144,7 @@ fn lapped_report(record: &Record) -> LappedReport {
         exemplars: record.lapped.exemplars.iter().map(|e| image_report(e, Vec::new())).collect(),
         patches: record.lapped.patches.len(),
         pastes: record.lapped.pastes.len(),
+        layers: record.lapped.layers.iter().map(|l| l.name.clone()).collect(),
         draws_per_face: faces as f64 / record.model.faces.len() as f64,
         has_field: record.field.is_some(),
         subdivided_faces: parts,
@@ -231,6 +234,9 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
                 "  lapped        {} pastes of {} texture patches, {:.2} draws per face, by {}\n",
                 l.pastes, l.patches, l.draws_per_face, l.generator
             );
+            if !l.layers.is_empty() {
+                text += &format!("  layers        {}\n", l.layers.join(", "));
+            }
             for e in &l.exemplars {
                 text += &format!("  exemplar      {}: {}x{}, {}\n", e.name, e.width, e.height, e.channels.join(", "));
             }

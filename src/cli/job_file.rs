@@ -49,6 +49,9 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<JobRegion>> {
     let Some(Value::Array(regions)) = table.remove("region") else {
         bail!("{}: there is no region: write [[region]] and its keys below; see docs/job.md", name());
     };
+    if regions.is_empty() {
+        bail!("{}: there is no region in it: write [[region]] and its keys below; see docs/job.md", name());
+    }
     if let Some(key) = table.keys().next() {
         bail!("{}: unknown key `{key}`: use [defaults] and [[region]]", name());
     }

@@ -73,6 +73,10 @@ pub(crate) fn decode(file: &[u8], format: Option<ImageFormat>, transfer: Transfe
         Some(format) => reader.set_format(format),
         None => reader = reader.with_guessed_format().map_err(|e| Problem::damaged("", e.to_string()))?,
     }
+    // The decoder fills up what is missing with grey and says nothing.
+    if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_ends(file) {
+        return Err(Problem::damaged("", "the image cannot be decoded whole (it ends in the middle of the picture)"));
+    }
     let mut limits = Limits::default();
     limits.max_image_width = Some(MOST_PIXELS_ACROSS);
     limits.max_image_height = Some(MOST_PIXELS_ACROSS);
@@ -93,6 +97,22 @@ pub(crate) fn decode(file: &[u8], format: Option<ImageFormat>, transfer: Transfe
         image.apply_orientation(orientation);
     }
     to_picture(&image, transfer).ok_or_else(|| Problem::damaged("", "the image has no pixels"))
+}
+
+/// True if a JPEG's picture comes to an end: its segments lead to a scan, and after that an end marker follows. (Within a
+/// scan that pair of bytes cannot occur; before it, in a thumbnail, it may.)
+fn jpeg_ends(file: &[u8]) -> bool {
+    const END: [u8; 2] = [0xFF, 0xD9];
+    const SCAN: u8 = 0xDA;
+    let mut at = 2;
+    while let Some(&[0xFF, marker, high, low]) = file.get(at..at + 4) {
+        if marker == SCAN {
+            return file[at..].windows(2).any(|pair| pair == END);
+        }
+        // Bytes of 0xFF may fill up before a marker.
+        at += if marker == 0xFF { 1 } else { 2 + usize::from(u16::from_be_bytes([high, low])) };
+    }
+    false
 }
 
 fn explain(error: &image::ImageError) -> Problem {

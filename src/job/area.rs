@@ -183,14 +183,17 @@ fn named_faces(model: &Model, cleaned: &Cleaned, kind: NameKind, pattern: &str) 
     Err(AreaError::NoName { kind: kind.name(), wanted: pattern.to_owned(), there })
 }
 
-/// True if a name matches a pattern in which `*` stands for any letters.
+/// True if a name matches a pattern in which `*` stands for any letters. What stands between two stars is found as early
+/// as possible, which never hurts what follows.
 fn matches(pattern: &str, name: &str) -> bool {
-    match pattern.split_once('*') {
-        None => pattern == name,
-        Some((start, rest)) => name
-            .strip_prefix(start)
-            .is_some_and(|tail| (0..=tail.len()).any(|k| tail.is_char_boundary(k) && matches(rest, &tail[k..]))),
-    }
+    let Some((start, rest)) = pattern.split_once('*') else { return pattern == name };
+    let (middle, end) = rest.rsplit_once('*').unwrap_or(("", rest));
+    let Some(mut left) = name.strip_prefix(start).and_then(|tail| tail.strip_suffix(end)) else { return false };
+    middle.split('*').all(|part| {
+        let found = left.find(part).map(|at| &left[at + part.len()..]);
+        left = found.unwrap_or(left);
+        found.is_some()
+    })
 }
 
 fn hard(inside: &[bool]) -> Vec<[f32; 3]> {
@@ -276,6 +279,44 @@ impl FromStr for Where {
                 usable.then_some(Self::Area(Area::Color { color, tolerance })).ok_or_else(wrong)
             }
             _ => Err(wrong()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Area, NameKind, Where, matches};
+
+    #[test]
+    fn stars_stand_for_any_letters() {
+        for (pattern, name) in [
+            ("a", "a"),
+            ("*", ""),
+            ("*", "b"),
+            ("a*", "ab"),
+            ("*b", "ab"),
+            ("a*c", "abc"),
+            ("a**c", "ac"),
+            ("*b*d*", "abcde"),
+            ("w*l*", "wall 2"),
+        ] {
+            assert!(matches(pattern, name), "{pattern} matches {name}");
+        }
+        for (pattern, name) in
+            [("a", "b"), ("", "a"), ("a*", "ba"), ("*b", "bc"), ("ab*bc", "abc"), ("*x*", "abc"), ("a*b*c", "acb")]
+        {
+            assert!(!matches(pattern, name), "{pattern} does not match {name}");
+        }
+    }
+
+    #[test]
+    fn areas_are_written_as_they_are_read() {
+        let named = Where::Area(Area::Named(NameKind::Material, "brick=red".into()));
+        assert_eq!("material=brick=red".parse(), Ok(named), "names may hold anything");
+        let color = Where::Area(Area::Color { color: glam::Vec3::new(1.0, 0.0, 0.2), tolerance: 0.5 });
+        assert_eq!("color=#ff0033~0.5".parse(), Ok(color), "a colour and how far it may be");
+        for wrong in ["", "red", "color=#ff", "color=#ff0000~2", "paint=ochre", "material=", "kind=x"] {
+            assert!(wrong.parse::<Where>().is_err(), "{wrong:?} is no area");
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::field::{Guide, TangentField};
 use crate::format::{Model, Record};
 use crate::mesh::part::Part;
 use crate::mesh::{CleanOptions, Cleaned, clean};
-use crate::paste::{LappedTexture, Layer, Paste, PasteStatistics, paste};
+use crate::paste::{LappedTexture, Layer, Paste, PasteError, PasteStatistics, paste};
 use crate::progress::Progress;
 use serde::Serialize;
 use std::time::Instant;
@@ -59,6 +59,9 @@ pub struct RegionReport {
 pub fn paste_regions(model: &Model, mut regions: Vec<Region>, progress: &dyn Progress) -> Result<Pasted, JobError> {
     if let [Region { area: Area::Everything, inputs, job, .. }] = &mut regions[..] {
         return paste_model(model, std::mem::take(inputs), job, progress);
+    }
+    if regions.is_empty() {
+        return Err(PasteError::NoPatches.into());
     }
     let begin = Instant::now();
     progress.stage("cleaning the mesh", 0);
@@ -119,7 +122,11 @@ impl Stack {
         let weights = area.weights(model, cleaned, border)?;
         let part = Part::new(&cleaned.mesh, |f| weights.as_ref().is_none_or(|w| shows(&w[f as usize])));
         let Part { mesh, faces } = part.ok_or(AreaError::Empty("region"))?;
-        let (exemplars, mut patches) = cut_patches(inputs, &job, &mut report.warnings)?;
+        let (exemplars, patches) = cut_patches(inputs, &job, &mut report.warnings)?;
+        let all = self.lapped.patches.len() + patches.len();
+        if all > usize::from(u16::MAX) {
+            return Err(PasteError::TooManyPatches(all).into());
+        }
         let (scale, ratio) = scale_of(&mesh, &job, &exemplars)?;
         let directed = !matches!(job.steer, super::Steer::Isotropic(_));
         let work = Work { faces: faces.len(), ..Work::new(&cleaned.report, ratio, directed, &exemplars) };
@@ -132,7 +139,7 @@ impl Stack {
         let difficulty = difficulty(&mesh, &guide);
 
         let count = patches.len();
-        let (done, statistics) = paste(&mesh, &guide, exemplars, std::mem::take(&mut patches), &difficulty, &keep.paste, progress)?;
+        let (done, statistics) = paste(&mesh, &guide, exemplars, patches, &difficulty, &keep.paste, progress)?;
         let first = [self.lapped.patches.len() as u16, self.lapped.exemplars.len() as u16];
         let moved =
             |p: Paste| Paste { patch: p.patch + first[0], faces: p.faces.iter().map(|&f| faces[f as usize]).collect(), ..p };

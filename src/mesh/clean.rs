@@ -181,7 +181,10 @@ fn weld_map(positions: &[Vec3], faces: &[[u32; 3]], tolerance: f64) -> (Vec<u32>
         used[v as usize] = true;
     }
     let mut weld: Vec<u32> = (0..positions.len() as u32).collect();
-    if tolerance > 0.0 {
+    let farthest = positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+    // A tolerance below the steps of the largest coordinates can only mean equal positions, and its grid would have more
+    // cells than numbers.
+    if tolerance > f64::from(farthest) * f64::from(f32::EPSILON) / 4.0 {
         weld_near(positions, &used, tolerance, &mut weld);
     } else {
         // -0 and +0 are the same place.
