@@ -54,7 +54,7 @@ fn a_normal_map_of_either_convention_gives_the_same_record() {
 fn every_channel_may_be_named_and_sizes_are_brought_together() {
     let place = place();
     let grey = |name: &str, value: u8, size| {
-        image::GrayImage::from_pixel(size, size, image::Luma([value])).save(place.path(name)).unwrap()
+        image::GrayImage::from_pixel(size, size, image::Luma([value])).save(place.path(name)).unwrap();
     };
     grey("a.png", 51, 16);
     grey("b.png", 102, 256);

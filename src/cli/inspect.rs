@@ -226,7 +226,7 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
     }
     let at = |p: [f32; 3]| format!("({}, {}, {})", p[0], p[1], p[2]);
     text += &format!("  bounds        {} to {}\n", at(m.bounds_min), at(m.bounds_max));
-    let size: Vec<String> = (0..3).map(|k| format!("{}", significant(f64::from(m.bounds_max[k] - m.bounds_min[k])))).collect();
+    let size: Vec<String> = (0..3).map(|k| significant(f64::from(m.bounds_max[k] - m.bounds_min[k]))).collect();
     text += &format!("  size          {}, area {}\n", size.join(" x "), significant(m.area));
     match &m.lapped {
         Some(l) => {
