@@ -5,9 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-mod common;
-
-use common::{corpus, draws_per_face, least_alpha, mask_alpha, mask_pixel, opened, quantile};
+use crate::common::{corpus, draws_per_face, least_alpha, mask_alpha, mask_pixel, opened, quantile};
 use glam::{DVec2, DVec3};
 use lapped::field::singularities;
 use lapped::format::{ExemplarOptions, read_exemplar, read_model};
@@ -120,7 +118,7 @@ fn the_texture_follows_the_field_on_bunnies_away_from_its_singularities() {
             let lists = FaceLists::new(bound.mesh.face_count(), &bound.lapped.pastes);
             let reach = 0.5 * done.report.scale;
             let (mut to_field, mut to_axis, mut all) = (Vec::new(), Vec::new(), 0);
-            for at in common::Points::new(&bound.mesh).list(100_000) {
+            for at in crate::common::Points::new(&bound.mesh).list(100_000) {
                 let place = bound.mesh.position(at);
                 all += 1;
                 if poles.iter().any(|p| p.distance(place) < reach) {

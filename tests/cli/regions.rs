@@ -2,16 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-mod common;
-#[path = "common/program.rs"]
-mod program;
-
-use common::{Points, least_alpha, opened};
+use crate::common::{Points, least_alpha, opened};
+use crate::program::{Place, text};
 use lapped::format::{Record, read_record};
 use lapped::job::Bound;
 use lapped::paste::{Composite, FaceLists, LappedTexture};
 use lapped::surface::SurfaceTexture;
-use program::{Place, text};
 use std::fmt::Write;
 
 const N: usize = 24;

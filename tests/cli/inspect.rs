@@ -2,11 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-#[path = "common/program.rs"]
-mod program;
-
+use crate::program::{Place, text};
 use lapped::job::estimate::TRUST;
-use program::{Place, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -3,10 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-#[path = "common/program.rs"]
-mod program;
-
-use program::{OCTAHEDRON, Place, text};
+use crate::program::{OCTAHEDRON, Place, text};
 
 /// Words with which a sentence says what to do.
 const REMEDIES: [&str; 23] = [

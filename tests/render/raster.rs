@@ -2,14 +2,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
-mod render_common;
-
+use crate::common::{corpus, moved, round, sheet_of};
 use glam::{DVec2, DVec3, Vec3};
 use lapped::mesh::{Mesh, NONE};
 use lapped::random::Random;
 use lapped::render::{Camera, Grid, View, Visibility};
 use proptest::prelude::*;
-use render_common::{corpus, moved, round, sheet_of};
 
 /// Separate random triangles in the unit cube.
 fn soup(count: u32, seed: u64) -> Mesh {

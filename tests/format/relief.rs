@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-mod common;
-
-use common::Points;
+use crate::common::Points;
 use glam::Vec3;
 use lapped::exemplar::Exemplar;
 use lapped::format::{ExemplarOptions, NormalConvention, read_exemplar};

@@ -3,9 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-mod common;
-
-use common::{Points, asset, patches};
+use crate::common::{Points, asset, patches};
 use glam::{DMat2, DVec2, DVec3};
 use lapped::exemplar::{PatchSource, TexturePatch};
 use lapped::field::{Guide, default_scale, isotropic, up};

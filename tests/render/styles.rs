@@ -2,15 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
-mod render_common;
-
+use crate::common::{plain, sheet_of};
 use glam::{DVec2, Vec2, Vec3};
 use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
 use lapped::field::{Guide, TangentField};
 use lapped::mesh::Mesh;
 use lapped::paste::{LappedTexture, Paste};
 use lapped::render::{Background, Picture, PreviewStyle, RenderError, SheetOptions, Subject, View, preview};
-use render_common::{plain, sheet_of};
 
 /// The field whose texture is `scale` units wide with +y up.
 fn field(mesh: &Mesh, scale: f32) -> Guide {

@@ -2,10 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-#[path = "common/program.rs"]
-mod program;
-
-use program::{OCTAHEDRON, Place, text};
+use crate::program::{OCTAHEDRON, Place, text};
 use serde_json::Value;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-mod common;
-
-use common::{input, pasted};
+use crate::common::{input, pasted};
 use glam::DVec3;
 use lapped::exemplar::PatchSource;
 use lapped::format::write_record;

@@ -2,10 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-#[path = "common/program.rs"]
-mod program;
-
-use program::{Place, text};
+use crate::program::{Place, text};
 use serde_json::Value;
 
 fn succeeds(place: &Place, args: &[&str]) -> (String, String) {

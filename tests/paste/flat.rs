@@ -3,9 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-mod common;
-
-use common::{Points, input, mask_alpha, meshed, model_of, opened, pasted, patches, sheet};
+use crate::common::{Points, input, mask_alpha, meshed, model_of, opened, pasted, patches, sheet};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 use lapped::exemplar::{Channel, PatchSource};
 use lapped::field::{Guide, TangentField};

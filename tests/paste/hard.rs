@@ -4,9 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-mod common;
-
-use common::{draws_per_face, input, least_alpha, model_of, opened, pasted, sheet};
+use crate::common::{draws_per_face, input, least_alpha, model_of, opened, pasted, sheet};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::PatchSource;
 use lapped::field::{Constraint, Constraints, TangentField};

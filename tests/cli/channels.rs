@@ -2,11 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-#[path = "common/program.rs"]
-mod program;
-
+use crate::program::{Place, text};
 use lapped::exemplar::Channel;
-use program::{Place, text};
 
 /// A place with the woven demo exemplar under names that say nothing, its normal map in both conventions.
 fn place() -> Place {

@@ -3,9 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-mod common;
-
-use common::{Points, alpha_at, draws_per_face, input, least_alpha, mask_alpha, mask_pixel, opened, pasted};
+use crate::common::{Points, alpha_at, draws_per_face, input, least_alpha, mask_alpha, mask_pixel, opened, pasted};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::PatchSource;
 use lapped::job::{Bound, PasteJob, Scale, Steer, paste_model};

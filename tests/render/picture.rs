@@ -3,14 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
-mod render_common;
-
+use crate::common::{Painted, checks, corpus, moved, plain, round, sheet_of};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::{Channel, ChannelSet};
 use lapped::mesh::{Mesh, SurfacePoint};
 use lapped::render::{Background, DrawOptions, Grid, Lighting, Picture, SheetOptions, View, draw, sheet};
 use lapped::surface::{SurfaceTexture, Texel};
-use render_common::{Painted, checks, corpus, moved, plain, round, sheet_of};
 
 const GRID: Grid = Grid { width: 96, height: 96, samples: 2 };
 

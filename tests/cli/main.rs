@@ -1,0 +1,11 @@
+//! The program as its users meet it: arguments in, files and exit codes out.
+
+mod channels;
+mod commands;
+#[path = "../common/mod.rs"]
+mod common;
+mod errors;
+mod flaws;
+mod inspect;
+mod program;
+mod regions;

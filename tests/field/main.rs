@@ -1,0 +1,3 @@
+//! Fields on real meshes.
+
+mod corpus;

@@ -1,0 +1,14 @@
+//! Files in and out: every format, every flaw.
+
+mod broken;
+#[path = "../common/mod.rs"]
+mod common;
+mod corpus;
+mod docs;
+mod exemplars;
+mod gltf;
+mod obj;
+mod ply_stl;
+mod properties;
+mod record;
+mod relief;

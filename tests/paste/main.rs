@@ -1,0 +1,10 @@
+//! Pasting as a whole: what a job promises, on meshes and exemplars as they are.
+
+#[path = "../common/mod.rs"]
+mod common;
+mod corpus;
+mod coverage;
+mod disc;
+mod flat;
+mod hard;
+mod repeat;

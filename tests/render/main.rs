@@ -1,0 +1,6 @@
+//! Pictures by the reference renderer.
+
+mod common;
+mod picture;
+mod raster;
+mod styles;
