@@ -159,7 +159,7 @@ fn a_single_region_of_everything_is_an_ordinary_paste() {
     let plain = paste(&place, &["wood.png", "--ratio", "7"]);
     assert_eq!((by_job.lapped, by_job.model), (plain.lapped, plain.model), "the same record");
     let (least, at) = least_alpha(
-        &common::meshed(&lapped::format::read_model(&place.path("sheet.obj")).unwrap()),
+        &crate::common::meshed(&lapped::format::read_model(&place.path("sheet.obj")).unwrap()),
         &opened(&read_record(&place.path("out/a.glb")).unwrap()).lapped,
         5000,
     );
