@@ -9,10 +9,10 @@
 //! Nothing is refused but empty input, and nothing is lost: [`Cleaned::user_faces`] leads from each of the caller's faces
 //! to the mesh face that stands for it, corner by corner.
 
+use super::weld::weld_map;
 use super::{Mesh, MeshError, NONE, check_input, ends, for_each_edge, signed_volume};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
-use std::collections::HashMap;
 
 /// A triangle whose area is below this share of its longest edge squared has no usable plane: its height is then at the
 /// rounding error of 32-bit positions.
@@ -135,23 +135,7 @@ pub fn clean(positions: &[Vec3], faces: &[[u32; 3]], options: &CleanOptions) -> 
     let opposite = pair_half_edges(positions, &kept, &mut report);
     let (mesh, user_vertices) = part_fans(positions, kept.clone(), opposite, &mut report);
 
-    let (component, count) = mesh.components();
-    let mut open = vec![OpenComponent { first_face: usize::MAX, ..OpenComponent::default() }; count];
-    for (user, &face) in user_faces.iter().enumerate().filter(|(_, f)| **f != NONE) {
-        let of = &mut open[component[face as usize] as usize];
-        of.first_face = of.first_face.min(user);
-    }
-    for (f, &c) in component.iter().enumerate() {
-        let of = &mut open[c as usize];
-        of.faces += 1;
-        of.boundary_edges += mesh.opposite[3 * f..3 * f + 3].iter().filter(|&&o| o == NONE).count();
-    }
-    open.retain(|c| c.boundary_edges > 0);
-    report.components = count;
-    report.open_components = open.len();
-    open.sort_by_key(|c| (std::cmp::Reverse(c.faces), c.first_face));
-    open.truncate(MOST_TOLD);
-    report.largest_open = open;
+    tell_components(&mesh, &user_faces, &mut report);
     report.boundary_edges = mesh.boundary_edge_count();
     report.boundary_loops = mesh.boundary_loop_count();
     report.euler_characteristic = mesh.euler_characteristic();
@@ -174,61 +158,25 @@ pub fn clean(positions: &[Vec3], faces: &[[u32; 3]], options: &CleanOptions) -> 
     Ok(Cleaned { mesh, user_faces, user_vertices, report })
 }
 
-/// For each vertex the first one at its place, and whether a face uses it. Unused vertices weld to nothing.
-fn weld_map(positions: &[Vec3], faces: &[[u32; 3]], tolerance: f64) -> (Vec<u32>, Vec<bool>) {
-    let mut used = vec![false; positions.len()];
-    for &v in faces.as_flattened() {
-        used[v as usize] = true;
+/// How many components there are, and which of them are open.
+fn tell_components(mesh: &Mesh, user_faces: &[u32], report: &mut CleanReport) {
+    let (component, count) = mesh.components();
+    let mut open = vec![OpenComponent { first_face: usize::MAX, ..OpenComponent::default() }; count];
+    for (user, &face) in user_faces.iter().enumerate().filter(|(_, f)| **f != NONE) {
+        let of = &mut open[component[face as usize] as usize];
+        of.first_face = of.first_face.min(user);
     }
-    let mut weld: Vec<u32> = (0..positions.len() as u32).collect();
-    let farthest = positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
-    // A tolerance below the steps of the largest coordinates can only mean equal positions, and its grid would have more
-    // cells than numbers.
-    if tolerance > f64::from(farthest) * f64::from(f32::EPSILON) / 4.0 {
-        weld_near(positions, &used, tolerance, &mut weld);
-    } else {
-        // -0 and +0 are the same place.
-        let key = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
-        let mut order: Vec<u32> = (0..positions.len() as u32).filter(|&v| used[v as usize]).collect();
-        order.sort_unstable_by_key(|&v| (key(positions[v as usize]), v));
-        for same in order.chunk_by(|&a, &b| key(positions[a as usize]) == key(positions[b as usize])) {
-            for &v in same {
-                weld[v as usize] = same[0];
-            }
-        }
+    for (f, &c) in component.iter().enumerate() {
+        let of = &mut open[c as usize];
+        of.faces += 1;
+        of.boundary_edges += mesh.opposite[3 * f..3 * f + 3].iter().filter(|&&o| o == NONE).count();
     }
-    (weld, used)
-}
-
-/// Welds within a tolerance: each vertex goes to the first earlier representative within reach, found on a grid.
-fn weld_near(positions: &[Vec3], used: &[bool], tolerance: f64, weld: &mut [u32]) {
-    let cell = |p: DVec3| (p / tolerance).floor().to_array().map(|c| c as i64);
-    let mut grid: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-    for v in 0..positions.len() {
-        if !used[v] {
-            continue;
-        }
-        let p = positions[v].as_dvec3();
-        let [x, y, z] = cell(p);
-        let mut found = NONE;
-        for dx in -1..=1 {
-            for dy in -1..=1 {
-                for dz in -1..=1 {
-                    let Some(here) = grid.get(&[x + dx, y + dy, z + dz]) else { continue };
-                    for &r in here {
-                        if positions[r as usize].as_dvec3().distance(p) <= tolerance {
-                            found = found.min(r);
-                        }
-                    }
-                }
-            }
-        }
-        if found == NONE {
-            grid.entry([x, y, z]).or_default().push(v as u32);
-        } else {
-            weld[v] = found;
-        }
-    }
+    open.retain(|c| c.boundary_edges > 0);
+    report.components = count;
+    report.open_components = open.len();
+    open.sort_by_key(|c| (std::cmp::Reverse(c.faces), c.first_face));
+    open.truncate(MOST_TOLD);
+    report.largest_open = open;
 }
 
 /// Faces on welded vertices that are worth keeping, and for each face given its place among them.

@@ -15,6 +15,7 @@ pub mod nearest;
 pub mod part;
 pub mod subdivide;
 pub mod transport;
+mod weld;
 
 #[cfg(test)]
 pub(crate) mod shapes;
