@@ -12,6 +12,7 @@ pub mod mask;
 pub mod outline;
 pub mod patch;
 mod splotch;
+pub mod srgb;
 
 pub use hull::Hull;
 pub use image::{Image, MipChain};

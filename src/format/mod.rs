@@ -15,7 +15,6 @@ mod picture;
 mod ply;
 mod polygon;
 pub mod record;
-pub mod srgb;
 mod stl;
 mod text;
 

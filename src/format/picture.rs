@@ -5,7 +5,7 @@
 
 use super::error::{FormatError, Problem};
 use super::output::write_file;
-use super::srgb;
+use crate::exemplar::srgb;
 use crate::exemplar::{Channel, Image};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageFormat, ImageReader, Limits};

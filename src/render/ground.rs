@@ -19,10 +19,11 @@ const REACH: f64 = 1.5;
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundShadow {
     /// Middle of the map, on the ground.
-    middle: DVec3,
-    axes: [DVec3; 2],
+    pub(super) middle: DVec3,
+    pub(super) axes: [DVec3; 2],
     up: DVec3,
-    half: f64,
+    /// Half the side of the map, world units.
+    pub(super) half: f64,
     hidden: Vec<f32>,
 }
 
@@ -62,6 +63,12 @@ impl GroundShadow {
     #[must_use]
     pub const fn up(&self) -> DVec3 {
         self.up
+    }
+
+    /// The share of the sky that is hidden at each cell, rows from the top; empty if there is no map.
+    #[cfg(feature = "gpu")]
+    pub(super) fn cells(&self) -> &[f32] {
+        &self.hidden
     }
 
     /// The share of the sky, 0 to 1, that is hidden from where a ray meets the ground; 0 if it does not meet it from above.

@@ -6,6 +6,8 @@
 //! [`PreviewStyle`] that shows the method at work.
 
 pub mod camera;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod ground;
 pub mod normals;
 pub mod occlusion;
@@ -23,7 +25,7 @@ pub use picture::Picture;
 pub use raster::{Grid, Hit, Visibility};
 pub use reference::{Background, DrawOptions, Stage, draw};
 pub use shade::Lighting;
-pub use sheet::{SEPARATOR, SheetOptions, sheet};
+pub use sheet::{SEPARATOR, SheetOptions, lay_out, sheet};
 pub use style::{PreviewStyle, Subject, preview};
 
 /// Why a picture cannot be made.

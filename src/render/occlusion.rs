@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// How far a point looks for what hides it, as a share of the diagonal of the mesh's bounds.
-const RADIUS: f64 = 0.09;
+pub(super) const RADIUS: f64 = 0.09;
 /// Directions looked along from each pixel.
 const DIRECTIONS: usize = 6;
 /// Steps along each direction, spaced quadratically.

@@ -15,7 +15,7 @@ use super::picture::{Picture, to_byte};
 use super::raster::{Grid, Hit, Lens, Visibility};
 use super::shade::{DIELECTRIC, Lighting, PLAIN, Stand, Surface, tone};
 use crate::exemplar::Channel;
-use crate::format::srgb;
+use crate::exemplar::srgb;
 use crate::mesh::{Mesh, NONE};
 use crate::surface::{SurfaceTexture, Texel};
 use glam::{DVec3, Quat, Vec3};
@@ -24,7 +24,7 @@ use std::borrow::Cow;
 use std::sync::OnceLock;
 
 /// The most layers of a translucent mesh that are looked through.
-const MAX_LAYERS: usize = 8;
+pub(super) const MAX_LAYERS: usize = 8;
 /// Roughness of a texture that does not say: matt with a slight sheen.
 const PLAIN_ROUGHNESS: f32 = 0.7;
 /// How much of the background's light the ground's shadow takes where no sky is left.
@@ -141,8 +141,14 @@ impl<'a> Stage<'a> {
         picture
     }
 
+    /// Smooth unit normals at the corners of each face.
+    #[must_use]
+    pub fn normals(&self) -> &[[Vec3; 3]] {
+        &self.normals
+    }
+
     /// The shadow on the ground; kept from picture to picture while up stays the same.
-    fn shadow(&self, up: DVec3) -> Cow<'_, GroundShadow> {
+    pub(super) fn shadow(&self, up: DVec3) -> Cow<'_, GroundShadow> {
         let kept = self.shadow.get_or_init(|| GroundShadow::new(self.mesh, up));
         if kept.up() == up { Cow::Borrowed(kept) } else { Cow::Owned(GroundShadow::new(self.mesh, up)) }
     }

@@ -1,7 +1,7 @@
 //! Several views of one mesh side by side on one picture, with captions.
 
 use super::RenderError;
-use super::camera::View;
+use super::camera::{Camera, View};
 use super::picture::{Picture, to_byte};
 use super::raster::{Grid, Visibility};
 use super::reference::{Background, DrawOptions, Stage};
@@ -57,15 +57,18 @@ const INK: Vec3 = Vec3::new(0.25, 0.25, 0.27);
 /// If there are no views, or a view or the sheet would be too large.
 pub fn sheet(mesh: &Mesh, texture: &dyn SurfaceTexture, options: &SheetOptions) -> Result<Picture, RenderError> {
     let stage = Stage::new(mesh, &options.draw);
-    lay_out(mesh, options, |seen| stage.draw(texture, seen))
+    lay_out(mesh, options, |camera, grid| Ok(stage.draw(texture, &Visibility::new(mesh, camera, grid)?)))
 }
 
 /// Sets the pictures that `draw` makes of each view in a grid.
-pub(super) fn lay_out(
+///
+/// # Errors
+/// If there are no views, a view or the sheet would be too large, or `draw` fails.
+pub fn lay_out<E: From<RenderError>>(
     mesh: &Mesh,
     options: &SheetOptions,
-    mut draw: impl FnMut(&Visibility) -> Picture,
-) -> Result<Picture, RenderError> {
+    mut draw: impl FnMut(&Camera, Grid) -> Result<Picture, E>,
+) -> Result<Picture, E> {
     let [width, height] = options.size;
     let count = options.views.len() as u32;
     let columns = if options.columns == 0 { f64::from(count).sqrt().ceil() as u32 } else { options.columns.min(count) };
@@ -83,7 +86,7 @@ pub(super) fn lay_out(
     let mut out = Picture::filled(whole.width, whole.height, separator);
     for (i, (caption, view)) in options.views.iter().enumerate() {
         let camera = view.frame(mesh, grid.aspect());
-        let mut picture = draw(&Visibility::new(mesh, &camera, grid)?);
+        let mut picture = draw(&camera, grid)?;
         let letter = (0.02 * height as f32).clamp(7.0, 24.0);
         let at = Vec2::new(1.2 * letter, height as f32 - 2.4 * letter);
         text::write(&mut picture, caption, at, letter, INK, 0.85);

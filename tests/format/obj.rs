@@ -96,7 +96,7 @@ fn obj_line_ends_comments_continuations_and_odd_spacing_do_not_matter() {
 #[test]
 fn obj_vertex_colours_come_as_linear_light() {
     let model = read("a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 0 0 0\nv 0 1 0 1 1 1\nf 1 2 3\n");
-    let half = lapped::format::srgb::decode(0.5);
+    let half = lapped::exemplar::srgb::decode(0.5);
     assert_eq!(model.colors.unwrap(), [Vec4::new(1.0, half, 0.0, 1.0), Vec4::new(0.0, 0.0, 0.0, 1.0), Vec4::ONE], "decoded");
     let bytes = read("a.obj", "v 0 0 0 255 0 0\nv 1 0 0 0 0 0\nv 0 1 0 0 0 255\nf 1 2 3\n");
     assert_eq!(bytes.colors.unwrap()[0], Vec4::new(1.0, 0.0, 0.0, 1.0), "0 to 255 is understood");

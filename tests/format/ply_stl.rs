@@ -76,7 +76,7 @@ fn ply_encodings_hold_the_same_mesh() {
     assert_eq!(ascii.normals.as_deref(), Some(&[Vec3::Z; 5][..]), "normals are made unit");
     assert_eq!(ascii.uvs.as_ref().unwrap()[1], Vec2::new(1.0, 0.75), "s and t, t up");
     let blue = ascii.colors.as_ref().unwrap()[2];
-    assert_eq!(blue, Vec4::new(1.0, 0.0, lapped::format::srgb::decode(0.4), 1.0), "colours, linear");
+    assert_eq!(blue, Vec4::new(1.0, 0.0, lapped::exemplar::srgb::decode(0.4), 1.0), "colours, linear");
     assert_eq!(ascii.source.unit.as_deref(), Some("mm"), "unit from a comment");
     for encoding in ["binary_little_endian", "binary_big_endian"] {
         let mut binary = read("a.ply", ply(encoding));

@@ -41,18 +41,18 @@ fn full_record() -> Record {
     model.source.unit = Some("mm".into());
     model.source.notes = vec!["3 lines and points were left out".into()];
 
-    let mut first = Exemplar::new("bricks", bytes_image(33, 17, 3, &mut r, lapped::format::srgb::decode));
+    let mut first = Exemplar::new("bricks", bytes_image(33, 17, 3, &mut r, lapped::exemplar::srgb::decode));
     first.wrap = Wrap::Repeat;
     for channel in Channel::ALL {
         let decode = |v: f32| match channel {
-            Channel::Emissive | Channel::BaseColor => lapped::format::srgb::decode(v),
+            Channel::Emissive | Channel::BaseColor => lapped::exemplar::srgb::decode(v),
             Channel::Normal => v * 2.0 - 1.0,
             _ => v,
         };
         first.set(channel, bytes_image(33, 17, channel.components(), &mut r, decode)).unwrap();
     }
     let deep = (0..64).map(|_| r.below(65536) as f32 / 65535.0).collect();
-    let mut second = Exemplar::new("grey", bytes_image(8, 8, 3, &mut r, lapped::format::srgb::decode));
+    let mut second = Exemplar::new("grey", bytes_image(8, 8, 3, &mut r, lapped::exemplar::srgb::decode));
     second.set(Channel::Height, Image::new(8, 8, 1, deep).unwrap()).unwrap();
 
     let patch = |exemplar, random: &mut Random| TexturePatch {

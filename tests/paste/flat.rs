@@ -5,10 +5,10 @@
 
 use crate::common::{Points, input, mask_alpha, meshed, model_of, opened, pasted, patches, sheet};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
+use lapped::exemplar::srgb::encode;
 use lapped::exemplar::{Channel, PatchSource};
 use lapped::field::{Guide, TangentField};
 use lapped::format::Model;
-use lapped::format::srgb::encode;
 use lapped::job::{PasteJob, Pasted, Scale, Steer, paste_model};
 use lapped::mesh::Mesh;
 use lapped::mesh::disc::Scratch;

@@ -18,7 +18,7 @@ fn picture(mesh: &Mesh, texture: &dyn SurfaceTexture, view: &str, options: &Draw
 }
 
 fn srgb(linear: f32) -> f32 {
-    255.0 * lapped::format::srgb::encode(linear)
+    255.0 * lapped::exemplar::srgb::encode(linear)
 }
 
 #[test]

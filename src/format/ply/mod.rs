@@ -11,7 +11,7 @@ mod header;
 use super::corners::{cut_polygons, join_corners};
 use super::error::Problem;
 use super::model::{MAX_MODEL_FACES, Model};
-use super::srgb;
+use crate::exemplar::srgb;
 use body::{AsciiBody, BinaryBody, Body};
 use glam::{Vec2, Vec3, Vec4};
 use header::{Element, Encoding, Header, Kind, Property, parse_header};

@@ -2,7 +2,7 @@
 
 use super::super::picture::{Picture, to_byte};
 use super::super::text;
-use crate::format::srgb;
+use crate::exemplar::srgb;
 use glam::{Vec2, Vec3};
 
 /// A colour bar with labels, or separate swatches.

@@ -124,10 +124,11 @@ pub fn preview(subject: &Subject, style: PreviewStyle, options: &SheetOptions) -
     let mut options = options.clone();
     options.draw.lighting = Lighting::even();
     let stage = Stage::new(mesh, &options.draw);
-    let mut sheet = lay_out(mesh, &options, |seen| {
-        let mut picture = stage.draw(show.texture(), seen);
-        show.overlay(seen, &mut picture);
-        picture
+    let mut sheet = lay_out(mesh, &options, |camera, grid| {
+        let seen = Visibility::new(mesh, camera, grid)?;
+        let mut picture = stage.draw(show.texture(), &seen);
+        show.overlay(&seen, &mut picture);
+        Ok::<_, RenderError>(picture)
     })?;
     if let Some(legend) = show.legend() {
         sheet = legend.below(&sheet);

@@ -1,0 +1,47 @@
+// Pass: the pastes in paint order, each blended over what is below it, where its face is the one seen (LT 4). What is blended
+// is the material, not light, so that the sum is lit once, as it is in the single pass.
+
+// Entries in paint order.
+@group(1) @binding(4) var<storage, read> order: array<u32>;
+
+struct PasteCorner {
+    @invariant @builtin(position) position: vec4f,
+    @location(0) bary: vec3f,
+    @location(1) @interpolate(flat) entry: u32,
+}
+
+// Every part is multiplied by the paste's alpha, which stands last.
+struct Blended {
+    @location(0) base_color: vec4f,
+    @location(1) normal: vec4f,
+    @location(2) gloss: vec4f,
+    @location(3) emissive: vec4f,
+    @location(4) opacity: vec4f,
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) index: u32) -> PasteCorner {
+    let entry = order[index / 3u];
+    let of_face = corner(entries[entry].face, index % 3u);
+    return PasteCorner(of_face.position, of_face.bary, entry);
+}
+
+@fragment
+fn fragment(in: PasteCorner) -> Blended {
+    let across = dpdx(in.bary);
+    let down = dpdy(in.bary);
+    let entry = entries[in.entry];
+    let g = ground(entry.face, in.bary, in.position.xy);
+    let layer = show(entry, in.bary, across, down, g);
+    if layer.alpha <= 0.0 {
+        discard;
+    }
+    let a = layer.alpha;
+    var out: Blended;
+    out.base_color = vec4f(layer.base_color * a, a);
+    out.normal = vec4f(layer.normal * a, a);
+    out.gloss = vec4f(vec3f(layer.roughness, layer.metallic, layer.occlusion) * a, a);
+    out.emissive = vec4f(layer.emissive * a, a);
+    out.opacity = vec4f(layer.opacity * a, 0.0, 0.0, a);
+    return out;
+}

@@ -1,0 +1,193 @@
+// What one paste shows at a sample (LT 4): alpha of its mask, and the exemplar's channels under the mask's pixel.
+//
+// All exemplars lie in array layers, whose sides are powers of two; the last pixels are repeated to a layer's end at every
+// level, so clamping is exact. Masks lie in squares whose sides are powers of two, several to a layer, each with its own
+// levels and their transparent borders.
+
+struct Paste {
+    piece: u32,
+    unused: u32,
+    offset: vec2f,
+}
+
+// A face under a paste: texture coordinates of its corners over the mask.
+struct Entry {
+    paste: u32,
+    face: u32,
+    uv0: vec2f,
+    uv1: vec2f,
+    uv2: vec2f,
+}
+
+struct Patch {
+    // Pixels of the mask.
+    size: vec2f,
+    // The mask's place in its layer, pixels.
+    place: vec2f,
+    // The mask's top left corner, pixels of the exemplar.
+    origin: vec2f,
+    layer: u32,
+    exemplar: u32,
+    // The coarsest level with a transparent border.
+    coarsest: f32,
+    // Mask pixels to stored ones: less than 1 where fine levels did not fit.
+    shrink: f32,
+}
+
+struct Exemplar {
+    size: vec2f,
+    // Exemplar pixels to stored ones.
+    shrink: f32,
+    repeats: u32,
+    // Layers of base colour, normal with height, roughness with metallic and occlusion, emission; -1: it has none.
+    layers: vec4i,
+}
+
+@group(0) @binding(2) var<storage, read> pastes: array<Paste>;
+// Where each face's list begins in `entries`, and one more; bottom first.
+@group(1) @binding(2) var<storage, read> starts: array<u32>;
+@group(1) @binding(3) var<storage, read> entries: array<Entry>;
+@group(2) @binding(0) var<storage, read> patches: array<Patch>;
+@group(2) @binding(1) var<storage, read> exemplars: array<Exemplar>;
+@group(2) @binding(2) var masks: texture_2d_array<f32>;
+@group(2) @binding(3) var base_colors: texture_2d_array<f32>;
+@group(2) @binding(4) var normal_maps: texture_2d_array<f32>;
+@group(2) @binding(5) var gloss_maps: texture_2d_array<f32>;
+@group(2) @binding(6) var emissions: texture_2d_array<f32>;
+@group(2) @binding(7) var filtered: sampler;
+
+// True: filtered along the sample's own shape on the surface. False: over a square of the same area, as the reference
+// renderer does.
+override ANISOTROPIC: bool = false;
+
+// Texture patch, mask and exemplar under a paste; weights are those of the paste's alpha.
+struct Layer {
+    alpha: f32,
+    base_color: vec3f,
+    opacity: f32,
+    normal: vec3f,
+    roughness: f32,
+    metallic: f32,
+    occlusion: f32,
+    emissive: vec3f,
+}
+
+// How a texture is read: the finest level's pixels a sample steps over, right and down.
+struct Footprint {
+    lod: f32,
+    dx: vec2f,
+    dy: vec2f,
+}
+
+fn fetch(image: texture_2d_array<f32>, layer: i32, pixel: vec2f, shrink: f32, over: Footprint) -> vec4f {
+    let size = vec2f(textureDimensions(image));
+    if ANISOTROPIC {
+        return textureSampleGrad(image, filtered, pixel * shrink / size, layer, over.dx * shrink / size, over.dy * shrink / size);
+    }
+    return textureSampleLevel(image, filtered, pixel * shrink / size, layer, over.lod + log2(shrink));
+}
+
+fn mask_alpha(piece: Patch, pixel: vec2f, over: Footprint) -> f32 {
+    let size = vec2f(textureDimensions(masks));
+    let uv = (piece.place + pixel * piece.shrink) / size;
+    if ANISOTROPIC {
+        // The hardware may go no coarser than the last level with a border.
+        let longest = max(length(over.dx), length(over.dy)) * piece.shrink;
+        let ease = piece.shrink * min(1.0, exp2(piece.coarsest) / max(longest, 1e-6));
+        return textureSampleGrad(masks, filtered, uv, piece.layer, over.dx * ease / size, over.dy * ease / size).x;
+    }
+    let lod = clamp(over.lod + log2(piece.shrink), 0.0, piece.coarsest);
+    return textureSampleLevel(masks, filtered, uv, piece.layer, lod).x;
+}
+
+// Steps of the search for the relief that a ray meets.
+const RELIEF_STEPS = 16;
+
+// The pixel whose relief the ray to `pixel` meets: the surface is at height 1, the deepest place `depth` pixels below.
+fn relief(exemplar: Exemplar, pixel: vec2f, slope: vec2f, depth: f32, over: Footprint) -> vec2f {
+    var before = 0.0;
+    var gap_before = 1.0;
+    for (var i = 0; i <= RELIEF_STEPS; i++) {
+        let down = f32(i) / f32(RELIEF_STEPS);
+        let place = wrapped(exemplar, pixel - slope * depth * down);
+        let gap = (1.0 - down) - fetch(normal_maps, exemplar.layers.y, place, exemplar.shrink, over).w;
+        if gap <= 0.0 {
+            let part = select(0.0, gap_before / (gap_before - gap), i > 0);
+            return pixel - slope * depth * mix(before, down, part);
+        }
+        before = down;
+        gap_before = gap;
+    }
+    return pixel - slope * depth;
+}
+
+fn wrapped(exemplar: Exemplar, pixel: vec2f) -> vec2f {
+    if exemplar.repeats != 0u {
+        return pixel - exemplar.size * floor(pixel / exemplar.size);
+    }
+    return pixel;
+}
+
+// What a paste shows. `across` and `down` are the steps of `bary` to the next sample.
+fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Layer {
+    var layer: Layer;
+    layer.alpha = 0.0;
+    let paste = pastes[entry.paste];
+    let piece = patches[paste.piece];
+    let at = entry.uv0 * bary.x + entry.uv1 * bary.y + entry.uv2 * bary.z;
+    if any(at <= vec2f(0.0)) || any(at >= vec2f(1.0)) {
+        return layer;
+    }
+    let pixel = at * piece.size;
+    let step1 = (entry.uv1 - entry.uv0) * piece.size;
+    let step2 = (entry.uv2 - entry.uv0) * piece.size;
+    let turn = step1.x * step2.y - step1.y * step2.x;
+    var over: Footprint;
+    over.lod = 0.5 * log2(max(1.0, g.footprint * abs(turn) / max(g.area, 1e-37)));
+    over.dx = across.y * step1 + across.z * step2;
+    over.dy = down.y * step1 + down.z * step2;
+    layer.alpha = mask_alpha(piece, pixel, over);
+    if layer.alpha <= 0.0 {
+        return layer;
+    }
+
+    let exemplar = exemplars[piece.exemplar];
+    // World steps of one pixel right and down.
+    let side = sign(turn);
+    let right = unit((g.edge1 * step2.y - g.edge2 * step1.y) * side);
+    let below = unit((g.edge2 * step1.x - g.edge1 * step2.x) * side);
+    var place = pixel + piece.origin + paste.offset;
+    if frame.parallax > 0.0 && exemplar.layers.y >= 0 && has(HEIGHT) {
+        let slope = vec2f(dot(g.to_eye, right), dot(g.to_eye, below)) / max(abs(dot(g.to_eye, g.normal)), 0.2);
+        place = relief(exemplar, place, slope, frame.parallax * exemplar.size.x, over);
+    }
+    place = wrapped(exemplar, place);
+    let base = fetch(base_colors, exemplar.layers.x, place, exemplar.shrink, over);
+    layer.base_color = base.xyz;
+    layer.opacity = base.w;
+    layer.normal = g.normal;
+    if has(NORMAL) && exemplar.layers.y >= 0 {
+        let n = fetch(normal_maps, exemplar.layers.y, place, exemplar.shrink, over).xyz * 2.0 - 1.0;
+        layer.normal = right * n.x - below * n.y + g.normal * n.z;
+        let size = length(layer.normal);
+        layer.normal = select(g.normal, layer.normal / size, size > 0.0);
+    }
+    // Roughness, metallic and occlusion of an exemplar that does not say.
+    var gloss = vec3f(0.8, 0.0, 1.0);
+    if exemplar.layers.z >= 0 {
+        gloss = fetch(gloss_maps, exemplar.layers.z, place, exemplar.shrink, over).xyz;
+    }
+    layer.roughness = gloss.x;
+    layer.metallic = gloss.y;
+    layer.occlusion = gloss.z;
+    layer.emissive = vec3f(0.0);
+    if exemplar.layers.w >= 0 {
+        layer.emissive = fetch(emissions, exemplar.layers.w, place, exemplar.shrink, over).xyz;
+    }
+    return layer;
+}
+
+fn unit(v: vec3f) -> vec3f {
+    let size = length(v);
+    return select(vec3f(0.0), v / size, size > 0.0);
+}

@@ -1,0 +1,34 @@
+//! Pictures and frames drawn by a graphics adapter (LT 4, "Runtime pasting of lapped textures").
+//!
+//! The reference renderer's twin: the same studio, the same filtering, the same light, many times faster where there is
+//! hardware. Whoever follows a picture walks one way: [`Gpu`] opens a device; a [`Renderer`] prepares it;
+//! [`Renderer::load`] brings a lapped texture there as a [`Subject`]; [`Renderer::draw`] makes a picture of it. A program with
+//! a device and a window of its own draws a subject into its own pass with a [`Forward`].
+//!
+//! All that touches wgpu is in this folder; the shaders are in `shaders/`.
+
+mod canvas;
+mod context;
+mod error;
+mod forward;
+mod frame;
+mod lists;
+mod packing;
+mod patches;
+mod pipelines;
+mod renderer;
+mod shape;
+mod studio;
+mod subject;
+mod target;
+mod texture;
+
+pub use canvas::Canvas;
+pub use context::{AdapterSummary, Gpu, GpuOptions, adapters};
+pub use error::GpuError;
+pub use forward::{Forward, Seen};
+pub use patches::PatchTextures;
+pub use pipelines::shaders;
+pub use renderer::{Filter, Path, Renderer, RendererOptions};
+pub use subject::Subject;
+pub use wgpu;

@@ -1,0 +1,226 @@
+//! Exemplars and texture patches on the device.
+//!
+//! All exemplars lie in the layers of one array for each group of channels, all masks in squares of one array (see
+//! [`super::packing`]). Pastes name patches by number, so another set of exemplars and patches can stand under the same
+//! pastes: the texture changes at once, nothing is pasted again.
+
+use super::context::Gpu;
+use super::error::GpuError;
+use super::packing::pack;
+use super::renderer::Filter;
+use super::shape::words;
+use super::texture::{Code, Layers, Part, fill};
+use crate::exemplar::{Channel, ChannelSet, Exemplar, TexturePatch, Wrap};
+use crate::render::picture::to_byte;
+use wgpu::TextureFormat;
+
+/// The finest probes along a stretched sample that filtering takes.
+const ANISOTROPY: u16 = 8;
+
+/// Exemplars and texture patches ready to be drawn with.
+#[derive(Debug)]
+pub struct PatchTextures {
+    pub(super) bindings: wgpu::BindGroup,
+    pub(super) channels: ChannelSet,
+    patches: usize,
+    bytes: u64,
+    warnings: Vec<String>,
+}
+
+/// The channel groups: their names and, for each, the channels.
+const GROUPS: [(&str, &[Channel]); 4] = [
+    ("base colours", &[Channel::BaseColor, Channel::Opacity]),
+    ("normal maps", &[Channel::Normal, Channel::Height]),
+    ("roughness maps", &[Channel::Roughness, Channel::Metallic, Channel::Occlusion]),
+    ("emission maps", &[Channel::Emissive]),
+];
+
+impl PatchTextures {
+    pub(super) fn new(
+        gpu: &Gpu,
+        layout: &wgpu::BindGroupLayout,
+        filter: Filter,
+        exemplars: &[Exemplar],
+        patches: &[TexturePatch],
+    ) -> Result<Self, GpuError> {
+        let longest = gpu.limits.max_texture_dimension_2d;
+        let mut warnings = Vec::new();
+        let (arrays, exemplar_table) = upload_exemplars(gpu, exemplars, longest, &mut warnings)?;
+        let (masks, patch_table) = upload_masks(gpu, patches, longest, &mut warnings)?;
+        let patch_table = words(gpu, "patches", bytemuck::cast_slice(&patch_table));
+        let exemplar_table = words(gpu, "exemplars", bytemuck::cast_slice(&exemplar_table));
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("filtered"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            // Only with gradients: software adapters take them from elsewhere, and never end, if a level is given.
+            anisotropy_clamp: if filter == Filter::Anisotropic { ANISOTROPY } else { 1 },
+            ..Default::default()
+        });
+        let views: Vec<wgpu::TextureView> = std::iter::once(&masks).chain(&arrays).map(Layers::view).collect();
+        let mut entries = vec![
+            wgpu::BindGroupEntry { binding: 0, resource: patch_table.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: exemplar_table.as_entire_binding() },
+        ];
+        let texture =
+            |(i, view)| wgpu::BindGroupEntry { binding: 2 + i as u32, resource: wgpu::BindingResource::TextureView(view) };
+        entries.extend(views.iter().enumerate().map(texture));
+        entries.push(wgpu::BindGroupEntry { binding: 7, resource: wgpu::BindingResource::Sampler(&sampler) });
+        let bindings =
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some("patches"), layout, entries: &entries });
+        let bytes = std::iter::once(&masks).chain(&arrays).map(Layers::bytes).sum::<u64>();
+        gpu.queue.submit([]);
+        gpu.check()?;
+        Ok(Self {
+            bindings,
+            channels: exemplars.iter().fold(ChannelSet::default(), |set, e| set.union(e.channels())),
+            patches: patches.len(),
+            bytes: bytes + patch_table.size() + exemplar_table.size(),
+            warnings,
+        })
+    }
+
+    /// How many texture patches there are.
+    #[must_use]
+    pub const fn patch_count(&self) -> usize {
+        self.patches
+    }
+
+    /// Bytes on the device.
+    #[must_use]
+    pub const fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// What did not fit and was made smaller.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+}
+
+/// Levels to leave out so that a side fits.
+fn levels_over(side: u32, longest: u32) -> u32 {
+    (0..32).find(|&drop| side.div_ceil(1 << drop).next_power_of_two() <= longest.max(1)).unwrap_or(0)
+}
+
+type Table = Vec<u32>;
+
+fn upload_exemplars<'g>(
+    gpu: &'g Gpu,
+    exemplars: &[Exemplar],
+    longest: u32,
+    warnings: &mut Vec<String>,
+) -> Result<(Vec<Layers<'g>>, Table), GpuError> {
+    // The largest power of two that a layer may have.
+    let longest = 1 << longest.max(1).ilog2();
+    let drops: Vec<u32> = exemplars.iter().map(|e| levels_over(e.size()[0].max(e.size()[1]), longest)).collect();
+    for (exemplar, &drop) in exemplars.iter().zip(&drops).filter(|(_, drop)| **drop > 0) {
+        let [w, h] = exemplar.size();
+        let parts = 1 << drop;
+        let name = &exemplar.name;
+        warnings.push(format!(
+            "exemplar {name}: {w} x {h} pixels are more than this graphics adapter takes; it is drawn at 1/{parts} of that size"
+        ));
+    }
+    let mut table: Table = Vec::new();
+    for (exemplar, &drop) in exemplars.iter().zip(&drops) {
+        let [w, h] = exemplar.size().map(|s| (s as f32).to_bits());
+        let repeats = u32::from(exemplar.wrap == Wrap::Repeat);
+        table.extend([w, h, 0.5_f32.powi(drop as i32).to_bits(), repeats, u32::MAX, u32::MAX, u32::MAX, u32::MAX]);
+    }
+    let mut arrays = Vec::new();
+    for (group, (name, channels)) in GROUPS.iter().enumerate() {
+        let has = |e: &Exemplar| channels.iter().any(|&c| e.channel(c).is_some());
+        let with: Vec<usize> = (0..exemplars.len()).filter(|&i| has(&exemplars[i])).collect();
+        let side = |axis: usize| {
+            let sides = with.iter().map(|&i| exemplars[i].size()[axis].div_ceil(1 << drops[i]).next_power_of_two());
+            sides.max().unwrap_or(1)
+        };
+        let size = [side(0), side(1)];
+        let levels = size[0].max(size[1]).ilog2() + 1;
+        let light = matches!(channels[0], Channel::BaseColor | Channel::Emissive);
+        let format = if light { TextureFormat::Rgba8UnormSrgb } else { TextureFormat::Rgba8Unorm };
+        let layers = Layers::new(gpu, name, size, with.len().max(1) as u32, levels, format)?;
+        for (layer, &i) in with.iter().enumerate() {
+            let exemplar = &exemplars[i];
+            let mut at = 0;
+            let parts: Vec<Part<'_>> = channels
+                .iter()
+                .map(|&channel| {
+                    let (code, otherwise) = match channel {
+                        Channel::BaseColor | Channel::Emissive => (Code::Light, 0),
+                        Channel::Normal => (Code::Signed, 0),
+                        // As `Texel::empty` has them.
+                        Channel::Roughness => (Code::Plain, 204),
+                        Channel::Metallic => (Code::Plain, 0),
+                        Channel::Height => (Code::Plain, 128),
+                        Channel::Occlusion | Channel::Opacity => (Code::Plain, 255),
+                    };
+                    let bytes = [at, channel.components()];
+                    at += channel.components();
+                    Part { chain: exemplar.channel(channel), code, bytes, otherwise }
+                })
+                .collect();
+            fill(&layers, layer as u32, drops[i], &parts);
+            table[8 * i + 4 + group] = layer as u32;
+        }
+        arrays.push(layers);
+    }
+    Ok((arrays, table))
+}
+
+fn upload_masks<'g>(
+    gpu: &'g Gpu,
+    patches: &[TexturePatch],
+    longest: u32,
+    warnings: &mut Vec<String>,
+) -> Result<(Layers<'g>, Table), GpuError> {
+    let longest = 1 << longest.max(1).ilog2();
+    let longer = |p: &TexturePatch| p.mask.size()[0].max(p.mask.size()[1]);
+    let drops: Vec<u32> = patches.iter().map(|p| levels_over(longer(p), longest)).collect();
+    if drops.iter().any(|&drop| drop > 0) {
+        warnings.push("masks larger than this graphics adapter's textures are drawn at a part of their size".to_owned());
+    }
+    let sides: Vec<u32> = patches.iter().zip(&drops).map(|(p, &drop)| longer(p).div_ceil(1 << drop).next_power_of_two()).collect();
+    let packing = pack(&sides, longest);
+    let levels = sides.iter().copied().max().unwrap_or(1).ilog2() + 1;
+    let layers = Layers::new(gpu, "masks", [packing.side; 2], packing.layers, levels, TextureFormat::R8Unorm)?;
+    let coarsest: Vec<u32> = patches
+        .iter()
+        .zip(&drops)
+        .map(|(p, &drop)| {
+            let bordered = p.mask.levels().iter().rposition(|level| level.size().iter().any(|&s| s > 2)).unwrap_or(0) as u32;
+            bordered.saturating_sub(drop)
+        })
+        .collect();
+    let mut in_layer = vec![Vec::new(); packing.layers as usize];
+    packing.places.iter().enumerate().for_each(|(i, place)| in_layer[place.layer as usize].push(i));
+    for (layer, members) in in_layer.iter().enumerate() {
+        for level in 0..levels {
+            let across = layers.level(level)[0] as usize;
+            let mut data = vec![0; across * across];
+            // A mask without room or border at this level is never read there, and must not reach into its neighbours.
+            for &i in members.iter().filter(|&&i| level <= coarsest[i]) {
+                let image = &patches[i].mask.levels()[(level + drops[i]) as usize];
+                let [x, y] = packing.places[i].at.map(|a| (a >> level) as usize);
+                for (row, values) in image.data().chunks_exact(image.size()[0] as usize).enumerate() {
+                    let to = &mut data[(y + row) * across + x..][..values.len()];
+                    to.iter_mut().zip(values).for_each(|(to, &alpha)| *to = to_byte(alpha));
+                }
+            }
+            layers.write(layer as u32, level, &data);
+        }
+    }
+    let mut table = Table::new();
+    for (i, patch) in patches.iter().enumerate() {
+        let [w, h] = patch.mask.size().map(|s| s as f32);
+        let [x, y] = packing.places[i].at.map(|a| a as f32);
+        let [u, v] = patch.origin.map(|o| o as f32);
+        table.extend([w, h, x, y, u, v].map(f32::to_bits));
+        table.extend([packing.places[i].layer, u32::from(patch.exemplar)]);
+        table.extend([coarsest[i] as f32, 0.5_f32.powi(drops[i] as i32)].map(f32::to_bits));
+    }
+    Ok((layers, table))
+}

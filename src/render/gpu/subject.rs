@@ -1,0 +1,111 @@
+//! A mesh with its pastes, on the device.
+
+use super::error::GpuError;
+use super::lists::Lists;
+use super::patches::PatchTextures;
+use super::renderer::Renderer;
+use super::shape::Shape;
+use crate::exemplar::{Exemplar, TexturePatch};
+use crate::paste::LappedTexture;
+use crate::render::reference::Stage;
+use std::sync::Arc;
+
+/// A mesh with its pastes, ready to be drawn.
+///
+/// Pastes are bound to faces and name texture patches by number: the vertices may move, and other exemplars and patches may
+/// stand under the same pastes, without pasting again.
+#[derive(Debug)]
+pub struct Subject {
+    pub(super) shape: Shape,
+    pub(super) lists: Lists,
+    pub(super) patches: Arc<PatchTextures>,
+    /// Patches that the pastes name.
+    named: usize,
+}
+
+impl Renderer {
+    /// Brings a lapped texture and the mesh it lies on to the device. Without pastes the bare mesh is drawn.
+    ///
+    /// # Errors
+    /// If it does not fit the device.
+    pub fn load(&self, stage: &Stage<'_>, lapped: &LappedTexture) -> Result<Subject, GpuError> {
+        let patches = Arc::new(self.load_patches(&lapped.exemplars, &lapped.patches)?);
+        let shape = Shape::new(&self.gpu, stage.mesh)?;
+        let lists = Lists::new(&self.gpu, &self.layouts.page, stage.mesh, stage.normals(), &lapped.pastes)?;
+        let named = lapped.pastes.iter().map(|p| usize::from(p.patch) + 1).max().unwrap_or(0);
+        self.gpu.check()?;
+        let mut subject = Subject { shape, lists, patches: Arc::clone(&patches), named };
+        subject.set_patches(patches)?;
+        Ok(subject)
+    }
+
+    /// Brings exemplars and texture patches to the device, to stand under pastes.
+    ///
+    /// # Errors
+    /// If they do not fit the device.
+    pub fn load_patches(&self, exemplars: &[Exemplar], patches: &[TexturePatch]) -> Result<PatchTextures, GpuError> {
+        let named = patches.iter().map(|p| u64::from(p.exemplar) + 1).max().unwrap_or(0);
+        if named > exemplars.len() as u64 {
+            let what = "the patches name more exemplars than there are".to_owned();
+            return Err(GpuError::Limit { what, needs: named, has: exemplars.len() as u64, remedy: "give them all" });
+        }
+        PatchTextures::new(&self.gpu, &self.layouts.patches, self.options.filter, exemplars, patches)
+    }
+
+    /// Moves a subject's vertices to where they are on another stage: the same faces, new positions.
+    ///
+    /// # Errors
+    /// If the number of vertices or faces is another one.
+    pub fn follow(&self, subject: &mut Subject, stage: &Stage<'_>) -> Result<(), GpuError> {
+        let expected = subject.lists.pages.last().map_or(0, |page| page.faces.end as usize);
+        if stage.mesh.face_count() != expected {
+            return Err(GpuError::Faces { found: stage.mesh.face_count(), expected });
+        }
+        subject.shape.set(&self.gpu, &stage.mesh.positions)?;
+        subject.lists.set_normals(&self.gpu, stage.normals());
+        Ok(())
+    }
+}
+
+impl Subject {
+    /// Sets other exemplars and texture patches under the pastes; patch for patch, the old numbers name the new ones.
+    ///
+    /// # Errors
+    /// If there are fewer patches than the pastes name.
+    pub fn set_patches(&mut self, patches: Arc<PatchTextures>) -> Result<(), GpuError> {
+        if patches.patch_count() < self.named {
+            let what = "the pastes name more texture patches than there are".to_owned();
+            let (needs, has) = (self.named as u64, patches.patch_count() as u64);
+            return Err(GpuError::Limit { what, needs, has, remedy: "give at least as many" });
+        }
+        self.patches = patches;
+        Ok(())
+    }
+
+    /// The exemplars and patches that it is drawn with.
+    #[must_use]
+    pub const fn patches(&self) -> &Arc<PatchTextures> {
+        &self.patches
+    }
+
+    /// Bytes on the device: the mesh, the paste lists, and textures.
+    #[must_use]
+    pub fn bytes(&self) -> [u64; 3] {
+        [self.shape.positions.size(), self.lists.bytes(), self.patches.bytes()]
+    }
+
+    /// Draws all faces with whatever pipeline is set.
+    pub(super) fn draw_faces(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_bind_group(2, &self.patches.bindings, &[]);
+        for page in &self.lists.pages {
+            pass.set_bind_group(1, &page.tables, &[]);
+            pass.draw(0..3 * page.faces.len() as u32, 0..1);
+        }
+    }
+
+    /// Pages the paste lists are cut into.
+    #[must_use]
+    pub fn page_count(&self) -> usize {
+        self.lists.pages.len()
+    }
+}
