@@ -22,11 +22,15 @@ use std::path::{Path, PathBuf};
 Examples:
   lapped inspect bunny.obj             counts, flaws, size, and the texture scale that would be chosen
   lapped inspect bunny-lapped.glb      the pastes in a record
-  lapped inspect bricks.png --json     the same for programs")]
+  lapped inspect bricks.png --json     the same for programs
+  lapped inspect --gpu                 the graphics adapters that `lapped render --adapter` can choose from")]
 pub struct InspectArgs {
     /// A mesh, a record or an exemplar
-    #[arg(value_name = "FILE")]
-    pub file: PathBuf,
+    #[arg(value_name = "FILE", required_unless_present = "gpu")]
+    pub file: Option<PathBuf>,
+    /// The graphics adapters of this machine instead, best first
+    #[arg(long, conflicts_with = "file")]
+    pub gpu: bool,
     /// As JSON
     #[arg(long)]
     pub json: bool,
@@ -103,22 +107,44 @@ pub fn run(args: &InspectArgs) -> anyhow::Result<()> {
     if !(args.weld >= 0.0 && args.weld.is_finite()) {
         bail!("--weld is {}: give a length in world units, 0 or more", args.weld);
     }
-    let is_image = image::ImageFormat::from_path(&args.file).is_ok() || args.file.is_dir();
+    let Some(path) = &args.file else {
+        return list_adapters(args);
+    };
+    let is_image = image::ImageFormat::from_path(path).is_ok() || path.is_dir();
     if is_image {
-        let (exemplar, warnings) = read_exemplar(&args.file, &ExemplarOptions::default())?;
+        let (exemplar, warnings) = read_exemplar(path, &ExemplarOptions::default())?;
         let found = image_report(&exemplar, warnings.iter().map(ToString::to_string).collect());
         return show(args, &found, image_text(&found));
     }
-    let file = read_file(&args.file, "the file")?;
+    let file = read_file(path, "the file")?;
     let (model, lapped) = if holds_record(&file) {
-        let record = read_record_bytes(&args.file, &file)?;
+        let record = read_record_bytes(path, &file)?;
         let lapped = lapped_report(&record);
         (record.model, Some(lapped))
     } else {
-        (read_model_bytes(&args.file, &file)?, None)
+        (read_model_bytes(path, &file)?, None)
     };
-    let found = mesh_report(args, &model, lapped)?;
-    show(args, &found, mesh_text(&args.file, &found))
+    let found = mesh_report(args, path, &model, lapped)?;
+    show(args, &found, mesh_text(path, &found))
+}
+
+#[cfg(feature = "gpu")]
+fn list_adapters(args: &InspectArgs) -> anyhow::Result<()> {
+    let found = crate::render::gpu::adapters();
+    let line = |(i, a): (usize, &crate::render::gpu::AdapterSummary)| {
+        let mebibytes = a.max_binding >> 20;
+        format!("{i}: {a}\n   {}, textures up to {} pixels, bindings up to {mebibytes} MiB\n", a.driver, a.max_texture_side)
+    };
+    let text = match &found[..] {
+        [] => "there is no graphics adapter here; `lapped render` draws on the processor\n".to_owned(),
+        found => found.iter().enumerate().map(line).collect(),
+    };
+    show(args, &found, text)
+}
+
+#[cfg(not(feature = "gpu"))]
+fn list_adapters(_args: &InspectArgs) -> anyhow::Result<()> {
+    anyhow::bail!("this program was built without graphics adapters (the cargo feature gpu)")
 }
 
 fn show(args: &InspectArgs, found: &impl Serialize, text: String) -> anyhow::Result<()> {
@@ -151,9 +177,9 @@ fn lapped_report(record: &Record) -> LappedReport {
     }
 }
 
-fn mesh_report(args: &InspectArgs, model: &Model, lapped: Option<LappedReport>) -> anyhow::Result<MeshReport> {
+fn mesh_report(args: &InspectArgs, path: &Path, model: &Model, lapped: Option<LappedReport>) -> anyhow::Result<MeshReport> {
     let options = CleanOptions { weld: args.weld, ..CleanOptions::default() };
-    let cleaned = clean(&model.positions, &model.faces, &options).with_context(|| args.file.display().to_string())?;
+    let cleaned = clean(&model.positions, &model.faces, &options).with_context(|| path.display().to_string())?;
     let (low, high) = cleaned.mesh.bounds();
     let source = &model.source;
     Ok(MeshReport {

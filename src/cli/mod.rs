@@ -4,6 +4,7 @@
 //! interrupted.
 
 pub mod bar;
+mod brush;
 pub mod channels;
 pub mod demo;
 pub mod inspect;

@@ -122,7 +122,7 @@ impl Area {
             Self::Color { color, tolerance } => {
                 let colors = model.colors.as_ref().ok_or(AreaError::Lacks("vertex colours"))?;
                 let near = |v: u32| {
-                    let srgb = colors[v as usize].truncate().to_array().map(crate::format::srgb::encode);
+                    let srgb = colors[v as usize].truncate().to_array().map(crate::exemplar::srgb::encode);
                     let distance = Vec3::from(srgb).distance(*color) / 3_f32.sqrt();
                     ((tolerance - distance) / (tolerance * (1.0 - FULL_MATCH))).clamp(0.0, 1.0)
                 };

@@ -7,7 +7,7 @@
 
 use super::RenderError;
 use crate::mesh::Mesh;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::str::FromStr;
 
 /// Share of the picture's half width and half height left free around a framed mesh.
@@ -48,6 +48,8 @@ pub struct View {
     pub angle: Option<f64>,
     /// Which way is up.
     pub up: UpAxis,
+    /// The point in the world that is shown in the picture's middle; `None` shows the middle of everything.
+    pub at: Option<DVec3>,
 }
 
 /// An eye in the world. The three axes are orthonormal; `right`, `up` and `-forward` are a right-handed frame.
@@ -75,7 +77,14 @@ impl View {
     pub const fn degrees(yaw: f64, pitch: f64) -> Self {
         /// A longer lens than the eye's: little distortion, still some depth.
         const ANGLE: f64 = 28.0;
-        Self { yaw: yaw.to_radians(), pitch: pitch.to_radians(), zoom: 1.0, angle: Some(ANGLE.to_radians()), up: UpAxis::Y }
+        Self {
+            yaw: yaw.to_radians(),
+            pitch: pitch.to_radians(),
+            zoom: 1.0,
+            angle: Some(ANGLE.to_radians()),
+            up: UpAxis::Y,
+            at: None,
+        }
     }
 
     /// The named view, if there is one: `front`, `back`, `side` (or `right`), `left`, `top`, `bottom`, `three-quarter`.
@@ -92,6 +101,70 @@ impl View {
             _ => return None,
         };
         Some(Self::degrees(yaw, pitch))
+    }
+
+    /// What is seen, in words: `front right, from above`.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        const SIDES: [&str; 8] = ["front", "front right", "right", "back right", "back", "back left", "left", "front left"];
+        /// Heights of the eye, degrees, from which it counts as raised, as high, and as straight above.
+        const HEIGHTS: [f64; 3] = [12.0, 45.0, 80.0];
+        let height = self.pitch.to_degrees();
+        let steps = HEIGHTS.iter().filter(|&&h| height.abs() >= h).count();
+        let eighth = (self.yaw.to_degrees() / 45.0).round().rem_euclid(8.0) as usize;
+        let side = SIDES[eighth % 8];
+        match (steps, height > 0.0) {
+            (0, _) => side.to_owned(),
+            (1, true) => format!("{side}, from above"),
+            (1, false) => format!("{side}, from below"),
+            (2, true) => format!("{side}, from high above"),
+            (2, false) => format!("{side}, from far below"),
+            (_, true) => "top".to_owned(),
+            (_, false) => "bottom".to_owned(),
+        }
+    }
+
+    /// The cameras of a full turn about the mesh's vertical axis in `count` equal steps, this view first. All stand equally
+    /// far off, where the mesh stays in the picture as it turns.
+    #[must_use]
+    pub fn turntable(&self, mesh: &Mesh, aspect: f64, count: u32) -> Vec<Camera> {
+        /// Places around the axis at which the turning mesh is looked at.
+        const AROUND: u32 = 48;
+        /// Slices of the mesh's height, each as wide as its widest point.
+        const SLICES: usize = 64;
+        let axis = match self.up {
+            UpAxis::Y => DVec3::Y,
+            UpAxis::Z => DVec3::Z,
+        };
+        let across = axis.any_orthonormal_vector();
+        let (low, high) = mesh.bounds();
+        let (low, high) = (low.as_dvec3(), high.as_dvec3());
+        let middle = 0.5 * (low + high);
+        let height = (high - low).dot(axis);
+        let mut widest: [Option<f64>; SLICES] = [None; SLICES];
+        for p in mesh.faces.as_flattened().iter().map(|&v| mesh.point(v) - middle) {
+            let part = p.dot(axis) / height.max(f64::MIN_POSITIVE) + 0.5;
+            let slice = &mut widest[((part * SLICES as f64) as usize).min(SLICES - 1)];
+            let radius = (p - axis * p.dot(axis)).length();
+            *slice = Some(slice.map_or(radius, |r| r.max(radius)));
+        }
+        let ring = |(slice, radius): (usize, f64)| {
+            [slice, slice + 1].into_iter().flat_map(move |edge| {
+                let up = axis * (height * (edge as f64 / SLICES as f64 - 0.5));
+                (0..AROUND).map(move |k| {
+                    let turn = DQuat::from_axis_angle(axis, std::f64::consts::TAU * f64::from(k) / f64::from(AROUND));
+                    middle + up + turn * across * radius
+                })
+            })
+        };
+        let swept = widest.iter().enumerate().filter_map(|(slice, radius)| radius.map(|r| (slice, r))).flat_map(ring);
+        let first = self.frame_points(swept, aspect);
+        let turned = |k: u32| {
+            let turn = DQuat::from_axis_angle(axis, std::f64::consts::TAU * f64::from(k) / f64::from(count.max(1)));
+            let [right, up, forward] = [first.right, first.up, first.forward].map(|v| turn * v);
+            Camera { eye: middle + turn * (first.eye - middle), right, up, forward, ..first }
+        };
+        (0..count).map(turned).collect()
     }
 
     /// The camera that shows all of a mesh's faces in a picture whose width is `aspect` times its height.
@@ -156,15 +229,12 @@ impl View {
                 (DVec3::new(middle.x, middle.y, -back), Projection::Orthographic(half / zoom), back + middle.z)
             }
         };
-        Camera {
-            eye: origin + right * at.x + up * at.y + forward * at.z,
-            right,
-            up,
-            forward,
-            projection,
-            near: NEAR * distance,
-            world_up,
+        let mut eye = origin + right * at.x + up * at.y + forward * at.z;
+        if let Some(aim) = self.at {
+            // Moved aside only: what is shown grows neither larger nor smaller.
+            eye += right * (aim - eye).dot(right) + up * (aim - eye).dot(up);
         }
+        Camera { eye, right, up, forward, projection, near: NEAR * distance, world_up }
     }
 }
 
@@ -227,11 +297,13 @@ impl FromStr for View {
     type Err = RenderError;
 
     /// Reads a view as the command line has it: names and `key=value` pairs joined by commas, later ones winning. Angles
-    /// are in degrees. Keys: `yaw`, `pitch`, `zoom`, `fov` (0: parallel projection), `up` (`y` or `z`).
+    /// are in degrees. Keys: `yaw`, `pitch`, `zoom`, `fov` (0: parallel projection), `up` (`y` or `z`), `at` (the point to
+    /// aim at: three numbers).
     fn from_str(text: &str) -> Result<Self, RenderError> {
         let fail = |reason: String| RenderError::Camera { text: text.to_owned(), reason };
         let mut view = Self::default();
-        for part in text.split(',').map(str::trim).filter(|part| !part.is_empty()) {
+        let mut parts = text.split(',').map(str::trim).filter(|part| !part.is_empty());
+        while let Some(part) = parts.next() {
             let Some((key, value)) = part.split_once('=') else {
                 let named = Self::named(part).ok_or_else(|| {
                     fail(format!("{part:?} is no view: there are front, back, side, left, top, bottom and three-quarter"))
@@ -248,12 +320,20 @@ impl FromStr for View {
                 };
                 continue;
             }
+            if key == "at" {
+                let numbers = [Some(value), parts.next(), parts.next()].map(|n| n.and_then(|n| n.parse::<f64>().ok()));
+                view.at = match numbers {
+                    [Some(x), Some(y), Some(z)] if x.is_finite() && y.is_finite() && z.is_finite() => Some(DVec3::new(x, y, z)),
+                    _ => return Err(fail("at needs three numbers, as in at=0,1.5,0".to_owned())),
+                };
+                continue;
+            }
             let (low, high) = match key {
                 "yaw" => (-3600.0, 3600.0),
                 "pitch" => (-90.0, 90.0),
                 "zoom" => (0.01, 100.0),
                 "fov" => (0.0, 120.0),
-                _ => return Err(fail(format!("{key:?} is no setting: there are yaw, pitch, zoom, fov and up"))),
+                _ => return Err(fail(format!("{key:?} is no setting: there are yaw, pitch, zoom, fov, up and at"))),
             };
             let number: f64 = value.parse().map_err(|_| fail(format!("{key} needs a number, not {value:?}")))?;
             if !(low..=high).contains(&number) {
@@ -318,6 +398,45 @@ mod tests {
     }
 
     #[test]
+    fn the_aim_is_in_the_middle_and_sizes_stay() {
+        let points = cloud(1.0, DVec3::ZERO);
+        let plain = View::degrees(35.0, 20.0);
+        let aim = points[17];
+        let (from, to) = (
+            plain.frame_points(points.iter().copied(), 1.5),
+            View { at: Some(aim), ..plain }.frame_points(points.iter().copied(), 1.5),
+        );
+        let there = to.to_view(aim);
+        assert!(there.x.abs() < 1e-12 && there.y.abs() < 1e-12, "in the middle: {there}");
+        assert!((from.to_view(aim).z - there.z).abs() < 1e-12, "as far away as before");
+    }
+
+    #[test]
+    fn on_a_turntable_the_mesh_stays_in_the_picture_and_the_eye_comes_round() {
+        let mesh = crate::mesh::shapes::torus(24, 12, 1.0, 0.3);
+        let cameras = View::degrees(10.0, 25.0).turntable(&mesh, 1.3, 12);
+        for camera in &cameras {
+            let [right, left, top, bottom] = reach(camera, &mesh.positions.iter().map(|p| p.as_dvec3()).collect::<Vec<_>>(), 1.3);
+            assert!(right.max(left).max(top).max(bottom) <= 1.0 - MARGIN + 1e-9, "inside the margin");
+        }
+        let distance = |c: &Camera| c.eye.length();
+        assert!(cameras.iter().all(|c| (distance(c) - distance(&cameras[0])).abs() < 1e-9), "equally far off");
+        assert!((cameras[6].forward.dot(DVec3::Y) - cameras[0].forward.dot(DVec3::Y)).abs() < 1e-12, "at one height");
+        let level = |c: &Camera| (c.forward - DVec3::Y * c.forward.y).normalize();
+        assert!(level(&cameras[6]).dot(level(&cameras[0])) < -0.999, "half way round after half of the steps");
+    }
+
+    #[test]
+    fn views_have_names() {
+        let name = |yaw, pitch| View::degrees(yaw, pitch).describe();
+        assert_eq!(name(0.0, 0.0), "front", "straight on");
+        assert_eq!(name(30.0, 18.0), "front right, from above", "three quarters");
+        assert_eq!(name(-95.0, -20.0), "left, from below", "negative turns");
+        assert_eq!(name(725.0, 60.0), "front, from high above", "more than a turn");
+        assert_eq!(name(10.0, 90.0), "top", "straight down");
+    }
+
+    #[test]
     fn the_axes_are_right_handed_and_yaw_turns_to_the_right() {
         for up in [UpAxis::Y, UpAxis::Z] {
             let mut view = View::degrees(35.0, 20.0);
@@ -335,9 +454,16 @@ mod tests {
         let view: View = "back, zoom=1.5, fov=0, up=z".parse().unwrap();
         assert_eq!((view.zoom, view.angle, view.up), (1.5, None, UpAxis::Z), "settings");
         assert!((view.yaw - std::f64::consts::PI).abs() < 1e-12, "yaw of the named view");
-        for (text, word) in
-            [("yaw=x", "number"), ("spin=3", "spin"), ("pitch=120", "90"), ("upside", "upside"), ("zoom=NaN", "zoom")]
-        {
+        let aimed: View = "at=1, -2,0.5,zoom=3".parse().unwrap();
+        assert_eq!((aimed.at, aimed.zoom), (Some(DVec3::new(1.0, -2.0, 0.5)), 3.0), "a point holds commas");
+        for (text, word) in [
+            ("at=1,2", "three"),
+            ("yaw=x", "number"),
+            ("spin=3", "spin"),
+            ("pitch=120", "90"),
+            ("upside", "upside"),
+            ("zoom=NaN", "zoom"),
+        ] {
             let message = text.parse::<View>().unwrap_err().to_string();
             assert!(message.contains(word), "{text}: {message}");
         }

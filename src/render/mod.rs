@@ -5,6 +5,7 @@
 //! [`draw`] shades what is seen there; a [`sheet()`] sets several views side by side, and a [`preview()`] does so in a
 //! [`PreviewStyle`] that shows the method at work.
 
+pub mod animation;
 pub mod camera;
 #[cfg(feature = "gpu")]
 pub mod gpu;

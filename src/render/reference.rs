@@ -195,7 +195,9 @@ impl Frame<'_> {
             return [0; 4];
         }
         let mixed = (colour + background * (through * alpha)) / total;
-        let [r, g, b] = mixed.to_array().map(|c| to_byte(srgb::encode(c)));
+        // A step of eight bits is seen on the wall; half a step up or down, in a pattern, is not.
+        let shift = through * alpha * dither(x, y) / 255.0;
+        let [r, g, b] = mixed.to_array().map(|c| to_byte(srgb::encode(c) + shift));
         [r, g, b, to_byte(total)]
     }
 
@@ -255,6 +257,12 @@ impl Frame<'_> {
             }
         }
     }
+}
+
+/// The 8x8 pattern of ordered dithering, -1/2 to 1/2: its 64 values are each taken once, neighbours far apart.
+fn dither(x: usize, y: usize) -> f32 {
+    let bit = |i: usize| (((x ^ y) >> i & 1) << (5 - 2 * i)) | ((y >> i & 1) << (4 - 2 * i));
+    ((bit(0) | bit(1) | bit(2)) as f32 + 0.5) / 64.0 - 0.5
 }
 
 /// The studio's wall: brightest a little above the middle.

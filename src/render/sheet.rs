@@ -28,14 +28,9 @@ pub struct SheetOptions {
 impl Default for SheetOptions {
     /// Front three-quarter, side, back and from above.
     fn default() -> Self {
-        let view = |name: &str, yaw, pitch| (name.to_owned(), View::degrees(yaw, pitch));
+        let views = [(30.0, 18.0), (95.0, 8.0), (205.0, 18.0), (-30.0, 62.0)].map(|(yaw, pitch)| View::degrees(yaw, pitch));
         Self {
-            views: vec![
-                view("yaw 30", 30.0, 18.0),
-                view("yaw 95", 95.0, 8.0),
-                view("yaw 205", 205.0, 18.0),
-                view("above", -30.0, 62.0),
-            ],
+            views: views.into_iter().map(|view| (view.describe(), view)).collect(),
             size: [512, 512],
             samples: 3,
             columns: 0,
