@@ -5,7 +5,8 @@
 //! factor of two parallel patches). Summed over all cells that is the shadow.
 
 use super::camera::{Camera, Projection};
-use super::raster::{Grid, Visibility};
+use super::lens::Grid;
+use super::raster::Visibility;
 use crate::mesh::{Mesh, NONE};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;

@@ -7,9 +7,11 @@
 
 pub mod animation;
 pub mod camera;
+mod clip;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod ground;
+mod lens;
 pub mod normals;
 pub mod occlusion;
 pub mod picture;
@@ -22,8 +24,9 @@ pub mod style;
 pub mod text;
 
 pub use camera::{Camera, Projection, UpAxis, View};
+pub use lens::{Grid, Hit};
 pub use picture::Picture;
-pub use raster::{Grid, Hit, Visibility};
+pub use raster::Visibility;
 pub use reference::{Background, DrawOptions, Stage, draw};
 pub use shade::Lighting;
 pub use sheet::{SEPARATOR, SheetOptions, lay_out, sheet};

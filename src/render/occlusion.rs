@@ -5,7 +5,8 @@
 //! along fixed directions, turned in a 4x4 pattern of pixels, and then average over that pattern where depth allows: no
 //! random numbers, hardly any noise.
 
-use super::raster::{Lens, Visibility};
+use super::lens::Lens;
+use super::raster::Visibility;
 use crate::mesh::Mesh;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;

@@ -15,77 +15,17 @@
 //! the result is the same for any number of threads. Both sides of a face are seen.
 
 use super::RenderError;
-use super::camera::{Camera, Projection};
+use super::camera::Camera;
+use super::clip::{OUTSIDE, Projected, SUBSAMPLE_BITS, clip, project};
+use super::lens::{Grid, Hit, Lens};
 use crate::mesh::{Mesh, NONE, SurfacePoint};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
-/// Bits below one sample on the fixed-point grid.
-const SUBSAMPLE_BITS: u32 = 12;
-/// Steps of the fixed-point grid per sample.
-const STEPS: f64 = (1 << SUBSAMPLE_BITS) as f64;
-/// The most samples along one side of a picture: coordinates then fit 27 bits.
-const MAX_SIDE: u32 = 1 << 15;
-/// The most samples in one picture: one gigabyte of face numbers.
-const MAX_SAMPLES: u64 = 1 << 28;
-/// Vertices farther than this many samples from the picture's corner are clipped, so that products of coordinate
-/// differences fit 62 bits.
-const GUARD: f64 = (1 << 17) as f64;
 /// Sample rows in a band: enough that few faces are set up twice, few enough that bands are many.
 const BAND: usize = 32;
 /// Faces sorted into bands by one task.
 const CHUNK: usize = 1 << 15;
-
-/// The size of a picture and the samples within its pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Grid {
-    /// Pixels across.
-    pub width: u32,
-    /// Pixels down.
-    pub height: u32,
-    /// Samples along each side of a pixel: `samples * samples` in each.
-    pub samples: u32,
-}
-
-impl Grid {
-    /// Samples across and down.
-    #[must_use]
-    pub const fn size(self) -> [usize; 2] {
-        [self.width as usize * self.samples as usize, self.height as usize * self.samples as usize]
-    }
-
-    /// Width over height.
-    #[must_use]
-    pub fn aspect(self) -> f64 {
-        f64::from(self.width.max(1)) / f64::from(self.height.max(1))
-    }
-
-    /// # Errors
-    /// If a side is zero or too long, or there are too many samples.
-    pub fn check(self) -> Result<(), RenderError> {
-        let Self { width, height, samples } = self;
-        let [across, down] = [width, height].map(|n| u64::from(n) * u64::from(samples));
-        let fits = across.min(down) > 0 && across.max(down) <= u64::from(MAX_SIDE) && across * down <= MAX_SAMPLES;
-        fits.then_some(()).ok_or(RenderError::Size { width, height, samples, max_side: MAX_SIDE, max_samples: MAX_SAMPLES })
-    }
-}
-
-/// What a ray through a sample meets first.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
-    /// The point on the surface.
-    pub at: SurfacePoint,
-    /// Where that is in the world.
-    pub position: DVec3,
-    /// Its distance from the eye along the camera's forward axis, world units.
-    pub depth: f64,
-    /// World width of the sample on the surface: the side of a square with the area that the sample covers there.
-    pub footprint: f64,
-    /// Whether the face's outer side is seen.
-    pub front: bool,
-    /// Unit vector from the point towards the eye.
-    pub to_eye: DVec3,
-}
 
 /// The nearest face under each sample of a picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -163,146 +103,8 @@ impl Visibility {
     }
 }
 
-/// The camera's map between the world and the grid of samples.
-pub(super) struct Lens<'a> {
-    camera: &'a Camera,
-    size: [usize; 2],
-    /// Samples per unit on the picture plane (at distance 1 for a perspective).
-    scale: f64,
-    middle: DVec2,
-    perspective: bool,
-}
-
-/// A vertex on the fixed-point grid; `x` is [`OUTSIDE`] if its faces need clipping.
-#[derive(Clone, Copy)]
-struct Projected {
-    x: i32,
-    y: i32,
-}
-
-/// Marks vertices that are behind the near plane or beyond the guard band.
-const OUTSIDE: i32 = i32::MIN;
-
-/// Nearness as an affine function of the sample position: 1/depth in a perspective, -depth in a parallel projection. Held
-/// between the values at the face's vertices, since the plane of a face seen edge-on is steep.
-struct Plane {
-    at_origin: f64,
-    slope: DVec2,
-    low: f64,
-    high: f64,
-}
-
-impl Plane {
-    #[inline]
-    fn nearness(&self, x: f64, y: f64) -> f64 {
-        (self.at_origin + self.slope.x * x + self.slope.y * y).max(self.low).min(self.high)
-    }
-}
-
-impl<'a> Lens<'a> {
-    pub(super) fn new(camera: &'a Camera, grid: Grid) -> Self {
-        let size = grid.size();
-        let half = 0.5 * size[1] as f64;
-        let (scale, perspective) = match camera.projection {
-            Projection::Perspective(tangent) => (half / tangent, true),
-            Projection::Orthographic(height) => (half / height, false),
-        };
-        Self { camera, size, scale, middle: DVec2::new(0.5 * size[0] as f64, half), perspective }
-    }
-
-    /// Where a point in view coordinates lies on the grid of samples. Meaningless behind the eye.
-    #[inline]
-    pub(super) fn project(&self, view: DVec3) -> DVec2 {
-        let scale = if self.perspective { self.scale / view.z } else { self.scale };
-        self.middle + DVec2::new(view.x, -view.y) * scale
-    }
-
-    fn nearness(&self, depth: f64) -> f64 {
-        if self.perspective { 1.0 / depth } else { -depth }
-    }
-
-    fn vertex(&self, p: DVec3) -> Projected {
-        let view = self.camera.to_view(p);
-        let place = self.project(view);
-        let inside = view.z >= self.camera.near && place.abs().max_element() <= GUARD;
-        if inside {
-            let [x, y] = snap(place);
-            Projected { x, y }
-        } else {
-            Projected { x: OUTSIDE, y: 0 }
-        }
-    }
-
-    /// Start and direction of the ray through a place on the grid; the direction's part along forward is 1.
-    #[inline]
-    pub(super) fn ray(&self, at: [f64; 2]) -> (DVec3, DVec3) {
-        let offset = (DVec2::from(at) - self.middle) / self.scale;
-        let aside = self.camera.right * offset.x - self.camera.up * offset.y;
-        if self.perspective {
-            (self.camera.eye, self.camera.forward + aside)
-        } else {
-            (self.camera.eye + aside, self.camera.forward)
-        }
-    }
-
-    fn plane(&self, mesh: &Mesh, face: u32) -> Plane {
-        let [a, b, c] = mesh.corners(face);
-        let normal = (b - a).cross(c - a);
-        let height = normal.dot(a - self.camera.eye);
-        let along = DVec3::new(normal.dot(self.camera.right), -normal.dot(self.camera.up), normal.dot(self.camera.forward));
-        // Perspective: 1/t = n.(f + r x + u y) / n.(a - eye). Parallel: -t = (n.(r x + u y) - n.(a - eye)) / n.f.
-        let (constant, divisor) = if self.perspective { (along.z, height) } else { (-height, along.z) };
-        let slope = along.truncate() / (divisor * self.scale);
-        let near = [a, b, c].map(|p| self.nearness(self.camera.to_view(p).z.max(self.camera.near)));
-        Plane {
-            at_origin: constant / divisor - slope.dot(self.middle),
-            slope,
-            low: near[0].min(near[1]).min(near[2]),
-            high: near[0].max(near[1]).max(near[2]),
-        }
-    }
-
-    /// Where the ray through a place on the grid meets a face (or, just beside it, the face's nearest edge).
-    pub(super) fn hit(&self, mesh: &Mesh, face: u32, at: [f64; 2]) -> Hit {
-        let (start, direction) = self.ray(at);
-        let [a, b, c] = mesh.corners(face);
-        let area = (b - a).cross(c - a);
-        let length = area.length();
-        let normal = area / length;
-        let slant = normal.dot(direction);
-        let met = start - a + direction * (normal.dot(a - start) / slant);
-        let weights = DVec3::new(
-            (c - b).cross(met - (b - a)).dot(area),
-            (a - c).cross(met - (c - a)).dot(area),
-            (b - a).cross(met).dot(area),
-        );
-        let weights = weights / area.length_squared();
-        let bary = if weights.is_finite() { weights.max(DVec3::ZERO) } else { DVec3::ONE };
-        let bary = bary / bary.element_sum();
-        let position = a * bary.x + b * bary.y + c * bary.z;
-        let depth = (position - self.camera.eye).dot(self.camera.forward);
-        // The area of the sample on the face's plane is z^2 / |n.d| times that on the picture plane.
-        let width = if self.perspective { depth / self.scale } else { 1.0 / self.scale };
-        Hit {
-            at: SurfacePoint { face, bary: bary.as_vec3() },
-            position,
-            depth,
-            footprint: width / slant.abs().max(MIN_SLANT).sqrt(),
-            front: slant < 0.0,
-            to_eye: -direction.normalize(),
-        }
-    }
-}
-
-/// The smallest cosine between ray and normal that widens the footprint: beyond, filtering would blur all detail away.
-const MIN_SLANT: f64 = 0.05;
-
-fn snap(place: DVec2) -> [i32; 2] {
-    [place.x, place.y].map(|v| (v * STEPS).round() as i32)
-}
-
-fn rasterize(mesh: &Mesh, lens: &Lens, in_front: Option<&[u32]>) -> Vec<u32> {
-    let vertices: Vec<Projected> = mesh.positions.par_iter().map(|p| lens.vertex(p.as_dvec3())).collect();
+fn rasterize(mesh: &Mesh, lens: &Lens<'_>, in_front: Option<&[u32]>) -> Vec<u32> {
+    let vertices: Vec<Projected> = mesh.positions.par_iter().map(|p| project(lens, p.as_dvec3())).collect();
     let bins = sort_into_bands(mesh, lens, &vertices);
     let across = lens.size[0];
     let mut out = vec![NONE; across * lens.size[1]];
@@ -327,7 +129,7 @@ fn rasterize(mesh: &Mesh, lens: &Lens, in_front: Option<&[u32]>) -> Vec<u32> {
 }
 
 /// For each chunk of faces and each band the faces that may touch it, ascending.
-fn sort_into_bands(mesh: &Mesh, lens: &Lens, vertices: &[Projected]) -> Vec<Vec<Vec<u32>>> {
+fn sort_into_bands(mesh: &Mesh, lens: &Lens<'_>, vertices: &[Projected]) -> Vec<Vec<Vec<u32>>> {
     let bands = lens.size[1].div_ceil(BAND);
     let last = bands as i32 - 1;
     let row = |y: i32| (y >> SUBSAMPLE_BITS).div_euclid(BAND as i32);
@@ -390,7 +192,7 @@ struct Band<'a> {
 }
 
 impl Band<'_> {
-    fn set_limits(&mut self, mesh: &Mesh, lens: &Lens) {
+    fn set_limits(&mut self, mesh: &Mesh, lens: &Lens<'_>) {
         let Some(in_front) = self.in_front else { return };
         let nearness = |(i, &face): (usize, &u32)| {
             if face == NONE {
@@ -402,7 +204,7 @@ impl Band<'_> {
         self.limits = in_front.iter().enumerate().map(nearness).collect();
     }
 
-    fn draw(&mut self, mesh: &Mesh, lens: &Lens, vertices: &[Projected], face: u32) {
+    fn draw(&mut self, mesh: &Mesh, lens: &Lens<'_>, vertices: &[Projected], face: u32) {
         let corners = mesh.faces[face as usize].map(|c| vertices[c as usize]);
         if corners.iter().any(|v| v.x == OUTSIDE) {
             let outline = clip(lens, mesh.corners(face).map(|p| lens.camera.to_view(p)));
@@ -415,7 +217,7 @@ impl Band<'_> {
     }
 
     /// Fills a triangle given on the fixed-point grid.
-    fn fill(&mut self, mesh: &Mesh, lens: &Lens, face: u32, corners: [[i32; 2]; 3]) {
+    fn fill(&mut self, mesh: &Mesh, lens: &Lens<'_>, face: u32, corners: [[i32; 2]; 3]) {
         let [ax, bx, cx] = corners.map(|p| i64::from(p[0]));
         let [ay, by, cy] = corners.map(|p| i64::from(p[1]));
         let area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
@@ -496,36 +298,4 @@ impl Edge {
             _ => *to = (*to).min(at_first.div_euclid(-step)),
         }
     }
-}
-
-/// The part of a face before the near plane and within the guard band, on the fixed-point grid. Each cut is computed from
-/// the edge's end inside to its end outside, so that two faces cut their common edge at the same place.
-fn clip(lens: &Lens, corners: [DVec3; 3]) -> Vec<[i32; 2]> {
-    let near = lens.camera.near;
-    let before = cut(&corners, |p| p.z - near);
-    let mut outline: Vec<DVec2> = before.into_iter().map(|p| lens.project(p)).collect();
-    for side in [|p: DVec2| GUARD - p.x, |p: DVec2| GUARD + p.x, |p: DVec2| GUARD - p.y, |p: DVec2| GUARD + p.y] {
-        outline = cut(&outline, side);
-    }
-    outline.into_iter().map(|p| snap(p.clamp(DVec2::splat(-GUARD), DVec2::splat(GUARD)))).collect()
-}
-
-/// The part of a convex polygon where `inside` is not negative.
-fn cut<P: Copy + std::ops::Sub<Output = P> + std::ops::Add<Output = P> + std::ops::Mul<f64, Output = P>>(
-    polygon: &[P],
-    inside: impl Fn(P) -> f64,
-) -> Vec<P> {
-    let mut out = Vec::with_capacity(polygon.len() + 1);
-    for (i, &p) in polygon.iter().enumerate() {
-        let q = polygon[(i + 1) % polygon.len()];
-        let (at_p, at_q) = (inside(p), inside(q));
-        if at_p >= 0.0 {
-            out.push(p);
-        }
-        if (at_p >= 0.0) != (at_q >= 0.0) {
-            let (kept, lost, at_kept, at_lost) = if at_p >= 0.0 { (p, q, at_p, at_q) } else { (q, p, at_q, at_p) };
-            out.push(kept + (lost - kept) * (at_kept / (at_kept - at_lost)));
-        }
-    }
-    out
 }

@@ -9,10 +9,11 @@
 use super::RenderError;
 use super::camera::Camera;
 use super::ground::GroundShadow;
+use super::lens::{Grid, Hit, Lens};
 use super::normals::{corner_normals, crease_angle};
 use super::occlusion::openness;
 use super::picture::{Picture, to_byte};
-use super::raster::{Grid, Hit, Lens, Visibility};
+use super::raster::Visibility;
 use super::shade::{DIELECTRIC, Lighting, PLAIN, Stand, Surface, tone};
 use crate::exemplar::Channel;
 use crate::exemplar::srgb;

@@ -2,8 +2,9 @@
 
 use super::RenderError;
 use super::camera::{Camera, View};
+use super::lens::Grid;
 use super::picture::{Picture, to_byte};
-use super::raster::{Grid, Visibility};
+use super::raster::Visibility;
 use super::reference::{Background, DrawOptions, Stage};
 use super::text;
 use crate::mesh::Mesh;

@@ -5,7 +5,7 @@ use super::error::GpuError;
 use super::renderer::Renderer;
 use super::subject::Subject;
 use crate::render::camera::Camera;
-use crate::render::raster::Grid;
+use crate::render::lens::Grid;
 use crate::render::reference::DrawOptions;
 use wgpu::{BindGroup, RenderPass, RenderPipeline, TextureFormat};
 

@@ -31,4 +31,5 @@ pub use patches::PatchTextures;
 pub use pipelines::shaders;
 pub use renderer::{Filter, Path, Renderer, RendererOptions};
 pub use subject::Subject;
+pub use target::read_pixels;
 pub use wgpu;

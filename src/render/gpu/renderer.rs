@@ -7,7 +7,7 @@ use super::pipelines::{KEY, Layouts, OPENNESS, Pipelines};
 use super::subject::Subject;
 use super::target::{Target, begin};
 use crate::render::camera::Camera;
-use crate::render::raster::Grid;
+use crate::render::lens::Grid;
 use crate::render::reference::DrawOptions;
 
 /// The two ways of drawing pastes. Both give the same picture.

@@ -13,8 +13,8 @@ use super::subject::Subject;
 use super::target::{ReadBack, Target, begin};
 use crate::render::camera::Camera;
 use crate::render::ground::GroundShadow;
+use crate::render::lens::Grid;
 use crate::render::picture::Picture;
-use crate::render::raster::Grid;
 use crate::render::reference::{Background, Stage};
 use wgpu::CommandEncoder;
 
@@ -141,7 +141,7 @@ impl Renderer {
             pass.set_bind_group(3, &group, &[]);
             pass.draw(0..3, 0..1);
         }
-        let back = ReadBack::new(&self.gpu, &mut encoder, &pixels, size);
+        let back = ReadBack::new(&self.gpu, &mut encoder, &pixels.texture, size);
         self.gpu.queue.submit([encoder.finish()]);
         back.picture(&self.gpu)
     }

@@ -51,8 +51,8 @@ pub(super) struct ReadBack {
 }
 
 impl ReadBack {
-    /// Copies the top left part of a target of four bytes a pixel.
-    pub(super) fn new(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, target: &Target, size: [u32; 2]) -> Self {
+    /// Copies the top left part of a texture of four bytes a pixel.
+    pub(super) fn new(gpu: &Gpu, encoder: &mut wgpu::CommandEncoder, texture: &wgpu::Texture, size: [u32; 2]) -> Self {
         let [width, height] = size;
         let row_bytes = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -62,7 +62,7 @@ impl ReadBack {
             mapped_at_creation: false,
         });
         encoder.copy_texture_to_buffer(
-            target.texture.as_image_copy(),
+            texture.as_image_copy(),
             wgpu::TexelCopyBufferInfo {
                 buffer: &buffer,
                 layout: wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row_bytes), rows_per_image: None },
@@ -85,6 +85,17 @@ impl ReadBack {
         }
         Ok(Picture { width, height, rgba })
     }
+}
+
+/// The bytes of a texture of four bytes a pixel, rows from the top.
+///
+/// # Errors
+/// If the device fails, or the texture cannot be copied from.
+pub fn read_pixels(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let back = ReadBack::new(gpu, &mut encoder, texture, [texture.width(), texture.height()]);
+    gpu.queue.submit([encoder.finish()]);
+    Ok(back.picture(gpu)?.rgba)
 }
 
 /// Begins a pass.

@@ -2,8 +2,9 @@
 //! texture. Rings mark the points around which the field turns.
 
 use super::super::camera::Camera;
+use super::super::lens::{Hit, Lens};
 use super::super::picture::Picture;
-use super::super::raster::{Hit, Lens, Visibility};
+use super::super::raster::Visibility;
 use super::super::stroke::Strokes;
 use super::{Show, colour_only, coloured};
 use crate::exemplar::ChannelSet;
@@ -177,7 +178,7 @@ impl Show for Arrows<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::super::camera::View;
-    use super::super::super::raster::Grid;
+    use super::super::super::lens::Grid;
     use super::*;
     use crate::mesh::shapes;
     use glam::DVec3;

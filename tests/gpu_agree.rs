@@ -1,0 +1,149 @@
+//! Both ways of drawing on a graphics adapter give the reference renderer's picture.
+#![cfg(feature = "gpu")]
+
+mod gpu_common;
+
+use glam::{DVec3, Vec3};
+use gpu_common::{compare, pasted, pasted_with, renderers};
+use lapped::exemplar::{Channel, Image};
+use lapped::mesh::Mesh;
+use lapped::paste::{Composite, LappedTexture};
+use lapped::render::gpu::Path;
+use lapped::render::{Background, DrawOptions, Grid, Picture, Stage, View, Visibility};
+use std::sync::Arc;
+
+/// Mean difference away from outlines, and at them, in steps of 1/255.
+const INSIDE: f64 = 0.6;
+const OUTLINE: f64 = 2.0;
+
+fn reference(stage: &Stage<'_>, lapped: &LappedTexture, camera: &lapped::render::Camera, grid: Grid) -> Picture {
+    stage.draw(&Composite::new(stage.mesh, lapped), &Visibility::new(stage.mesh, camera, grid).unwrap())
+}
+
+/// Draws with every adapter and both ways and holds each against the reference.
+fn agree(name: &str, mesh: &Mesh, lapped: &LappedTexture, options: &DrawOptions, view: &str, grid: Grid) {
+    let stage = Stage::new(mesh, options);
+    let camera = view.parse::<View>().unwrap().frame(mesh, grid.aspect());
+    let expected = reference(&stage, lapped, &camera, grid);
+    for renderer in renderers() {
+        let subject = renderer.load(&stage, lapped).unwrap();
+        for path in [Path::Single, Path::Layered] {
+            let drawn = renderer.draw(&subject, &stage, &camera, grid, path).unwrap();
+            let found = compare(mesh, &camera, grid, &expected, &drawn);
+            let adapter = renderer.gpu().adapter();
+            println!("{name} {view} {path:?} on {adapter}: {found:?}");
+            assert!(found.inside < INSIDE, "{name} {view} {path:?} on {adapter}: {found:?} away from outlines");
+            assert!(found.outline < OUTLINE, "{name} {view} {path:?} on {adapter}: {found:?} at outlines");
+            assert!(found.outside < 0.1, "{name} {view} {path:?} on {adapter}: {found:?} behind the mesh");
+        }
+    }
+}
+
+#[test]
+fn the_demos_look_the_same_in_all_modes() {
+    let shows: [(&str, &[&str], f64, bool); 6] = [
+        ("dragonling", &["fur"], 40.0, true),
+        ("dragonling", &["moss", "stone"], 40.0, false),
+        ("knot", &["weave"], 60.0, true),
+        ("gear", &["rust"], 30.0, false),
+        ("vase", &["bricks"], 30.0, true),
+        ("terrain", &["leaves"], 60.0, false),
+    ];
+    for (mesh, exemplars, ratio, up) in shows {
+        let pasted = pasted(mesh, exemplars, ratio, up);
+        let name = format!("{mesh} {exemplars:?}");
+        let grid = Grid { width: 260, height: 220, samples: 3 };
+        agree(&name, &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", grid);
+        let grid = Grid { width: 150, height: 190, samples: 2 };
+        let options = DrawOptions { background: Background::Transparent, ..DrawOptions::default() };
+        agree(&name, &pasted.mesh, &pasted.lapped, &options, "yaw=200,pitch=-20,fov=0", grid);
+    }
+}
+
+#[test]
+fn every_channel_of_a_material_is_drawn_alike_and_translucent_ones_in_exact_order() {
+    let mut exemplar = lapped::assets::exemplar("scales").unwrap();
+    let [w, h] = exemplar.size();
+    let wave = |k: f32| move |x: u32, y: u32| 0.5 + 0.5 * (k * x as f32).sin() * (k * y as f32).cos();
+    exemplar.set(Channel::Roughness, Image::grey_from_fn(w, h, wave(0.1))).unwrap();
+    exemplar.set(Channel::Metallic, Image::grey_from_fn(w, h, wave(0.05))).unwrap();
+    exemplar.set(Channel::Occlusion, Image::grey_from_fn(w, h, wave(0.2))).unwrap();
+    exemplar.set(Channel::Emissive, Image::from_fn(w, h, |x, y| Vec3::new(0.3, 0.1, 0.0) * wave(0.07)(x, y))).unwrap();
+    let grid = Grid { width: 200, height: 200, samples: 2 };
+    let opaque = pasted_with("knot", vec![exemplar.clone()], 40.0, true);
+    agree("all channels", &opaque.mesh, &opaque.lapped, &DrawOptions::default(), "three-quarter", grid);
+    let mut glassy = opaque.lapped.clone();
+    glassy.exemplars[0].set(Channel::Opacity, Image::grey_from_fn(w, h, |x, y| 0.3 + 0.6 * wave(0.04)(x, y))).unwrap();
+    // Five groups of material are more than many adapters blend at once; without emission they are four.
+    glassy.exemplars[0].remove(Channel::Emissive);
+    agree("translucent", &opaque.mesh, &glassy, &DrawOptions::default(), "three-quarter", grid);
+}
+
+#[test]
+fn far_and_near_and_bare_meshes_agree_too() {
+    let pasted = pasted("vase", &["stone"], 20.0, false);
+    let options = DrawOptions { background: Background::Plain(Vec3::new(0.1, 0.2, 0.3)), ..DrawOptions::default() };
+    let grid = Grid { width: 160, height: 120, samples: 2 };
+    for view in ["front,zoom=0.1", "front,zoom=6", "top", "bottom,fov=100"] {
+        agree("vase stone", &pasted.mesh, &pasted.lapped, &options, view, grid);
+    }
+    agree("bare", &pasted.mesh, &LappedTexture::default(), &options, "front", grid);
+    // Far from the origin and of another size.
+    let place = |p: &Vec3| (p.as_dvec3() * 1e-4 + DVec3::new(3.0, -2.0, 1.0)).as_vec3();
+    let moved = Mesh::new(pasted.mesh.positions.iter().map(place).collect(), pasted.mesh.faces.clone()).unwrap();
+    agree("small and far away", &moved, &pasted.lapped, &options, "three-quarter", grid);
+}
+
+#[test]
+fn other_exemplars_stand_under_the_same_pastes_without_pasting_again() {
+    let stone = pasted("knot", &["stone"], 30.0, false);
+    let mut rust = stone.lapped.clone();
+    rust.exemplars = vec![lapped::assets::exemplar("rust").unwrap()];
+    let (options, grid) = (DrawOptions::default(), Grid { width: 160, height: 160, samples: 2 });
+    let stage = Stage::new(&stone.mesh, &options);
+    let camera = View::default().frame(&stone.mesh, 1.0);
+    for renderer in renderers() {
+        let mut subject = renderer.load(&stage, &stone.lapped).unwrap();
+        let before = renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap();
+        let old = Arc::clone(subject.patches());
+        let new = Arc::new(renderer.load_patches(&rust.exemplars, &rust.patches).unwrap());
+        subject.set_patches(new).unwrap();
+        let switched = renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap();
+        let loaded = renderer.draw(&renderer.load(&stage, &rust).unwrap(), &stage, &camera, grid, Path::Single).unwrap();
+        assert_eq!(switched, loaded, "as if it had been loaded so");
+        assert!(compare(&stone.mesh, &camera, grid, &before, &switched).inside > 8.0, "and another texture than before");
+        subject.set_patches(old).unwrap();
+        assert_eq!(renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap(), before, "and back");
+        assert!(subject.set_patches(Arc::new(renderer.load_patches(&[], &[]).unwrap())).is_err(), "too few patches are refused");
+    }
+}
+
+#[test]
+fn the_texture_stays_in_place_on_a_mesh_that_moves() {
+    let pasted = pasted("dragonling", &["fur"], 40.0, true);
+    let options = DrawOptions { occlusion: false, ..DrawOptions::default() };
+    let grid = Grid { width: 180, height: 180, samples: 2 };
+    let bent = |amount: f64| {
+        let bend = |p: &Vec3| {
+            let p = p.as_dvec3();
+            glam::DQuat::from_rotation_y(amount * p.y).mul_vec3(p).as_vec3()
+        };
+        Mesh::new(pasted.mesh.positions.iter().map(bend).collect(), pasted.mesh.faces.clone()).unwrap()
+    };
+    let still = Stage::new(&pasted.mesh, &options);
+    for renderer in renderers() {
+        let mut subject = renderer.load(&still, &pasted.lapped).unwrap();
+        for amount in [0.3, 0.8] {
+            let mesh = bent(amount);
+            let stage = Stage::new(&mesh, &options);
+            renderer.follow(&mut subject, &stage).unwrap();
+            let camera = View::default().frame(&mesh, 1.0);
+            let expected = reference(&stage, &pasted.lapped, &camera, grid);
+            let found =
+                compare(&mesh, &camera, grid, &expected, &renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap());
+            assert!(found.inside < INSIDE && found.outline < OUTLINE, "bent by {amount}: {found:?}");
+        }
+        let other = gpu_common::flat(3);
+        assert!(renderer.follow(&mut subject, &Stage::new(&other, &options)).is_err(), "another mesh is refused");
+    }
+}
