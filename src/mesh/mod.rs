@@ -13,8 +13,10 @@ pub mod disc;
 pub mod geodesic;
 pub mod nearest;
 pub mod part;
+pub mod retile;
 pub mod subdivide;
 pub mod transport;
+pub mod walk;
 mod weld;
 
 #[cfg(test)]

@@ -1,0 +1,59 @@
+//! Re-tiling: seconds and evenness.
+//!
+//! `cargo bench --bench retile` on bumpy tori; with `LAPPED_CORPUS` set to a folder of meshes, each of them at 0.25, 1 and 4 times
+//! its vertices. `-- NAME` runs only files whose name contains it.
+
+#![expect(clippy::print_stdout, reason = "the table is what this program is for")]
+
+use lapped::format::read_model;
+use lapped::mesh::retile::{RetileOptions, retile};
+use lapped::mesh::{CleanOptions, Mesh, clean};
+use lapped::progress::Silent;
+use std::path::Path;
+use std::time::Instant;
+
+fn row(name: &str, mesh: &Mesh, vertices: usize) {
+    let begin = Instant::now();
+    let done = match retile(mesh, &RetileOptions { vertices, ..RetileOptions::default() }, &Silent) {
+        Ok(done) => done,
+        Err(error) => return println!("{name:20} {vertices:>8}: {error}"),
+    };
+    let seconds = begin.elapsed().as_secs_f64();
+    let (s, e) = (done.statistics, done.statistics.evenness);
+    let euler = done.mesh.euler_characteristic() - mesh.euler_characteristic();
+    println!(
+        "{name:20} {:>8} {vertices:>8} {:>+6} | {seconds:>6.2} | {:>5.3} | {:>5.1} {:>5.1} {:>5.1} | {:>6.3} {:>5} {:>4} | {euler:>2} {:>3} {:>3} | {:?}",
+        mesh.vertex_count(),
+        s.vertices as i64 - vertices as i64,
+        e.edge_variation,
+        e.least_angle,
+        e.low_angle,
+        e.mean_least_angle,
+        s.farthest / e.mean_edge,
+        s.put_back,
+        s.kept_old,
+        e.degenerate_faces,
+        e.folded_edges,
+        e.valence,
+    );
+}
+
+fn main() {
+    let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    println!("{} threads", rayon::current_num_threads());
+    println!("mesh                      from      to   diff |   secs | stdv. | least   5 %  mean | far/e   back kept | dEu deg fold | valence 4 5 6 7 8");
+    let Some(corpus) = std::env::var_os("LAPPED_CORPUS") else { return };
+    let folder = Path::new(&corpus).join("meshes");
+    let mut names: Vec<String> = std::fs::read_dir(&folder)
+        .expect("a folder of meshes")
+        .filter_map(|e| e.ok().and_then(|e| e.file_name().into_string().ok()))
+        .collect();
+    names.sort();
+    for name in names.iter().filter(|n| wanted.is_empty() || wanted.iter().any(|w| n.contains(w))) {
+        let Ok(model) = read_model(&folder.join(name)) else { continue };
+        let mesh = clean(&model.positions, &model.faces, &CleanOptions::default()).expect("a mesh").mesh;
+        for times in [0.25, 1.0, 4.0] {
+            row(name, &mesh, (mesh.vertex_count() as f64 * times) as usize);
+        }
+    }
+}
