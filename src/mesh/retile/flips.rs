@@ -61,11 +61,13 @@ fn wants_flip(s: &Surgery, h: u32) -> bool {
     }
     let at = |e: u32| s.positions[s.origin(e) as usize];
     let (a, b, c, d) = (at(h), at(next(h)), at(prev(h)), at(prev(o)));
-    let cotangent = |p: DVec3| {
-        let (x, y) = (a - p, b - p);
-        x.dot(y) / x.cross(y).length().max(f64::MIN_POSITIVE)
-    };
-    if cotangent(c) + cotangent(d) > -EVEN {
+    let (cosine_c, cosine_d) = ((a - c).dot(b - c), (a - d).dot(b - d));
+    // Nearly always; no root need be taken then.
+    if cosine_c >= 0.0 && cosine_d >= 0.0 {
+        return false;
+    }
+    let cotangent = |p: DVec3, cosine: f64| cosine / (a - p).cross(b - p).length().max(f64::MIN_POSITIVE);
+    if cotangent(c, cosine_c) + cotangent(d, cosine_d) > -EVEN {
         return false;
     }
     let (f, g) = ((b - a).cross(c - a), (a - b).cross(d - b));

@@ -43,7 +43,7 @@ pub struct RetileOptions {
     pub vertices: usize,
     /// Keep edges over which the surface bends by more than this, radians. Boundaries are always kept.
     pub crease: Option<f64>,
-    /// Rounds of repulsion.
+    /// Rounds of repulsion that also move vertices from crowded to roomy places; a few without follow.
     pub rounds: usize,
     /// Seed of where the new vertices start.
     pub seed: u64,
@@ -51,7 +51,7 @@ pub struct RetileOptions {
 
 impl Default for RetileOptions {
     fn default() -> Self {
-        Self { vertices: 10_000, crease: None, rounds: 14, seed: 1 }
+        Self { vertices: 10_000, crease: None, rounds: 7, seed: 1 }
     }
 }
 
@@ -113,7 +113,7 @@ pub struct RetileStatistics {
 /// A re-tiled mesh.
 #[derive(Debug, Clone)]
 pub struct Retiled {
-    /// The mesh. Components follow the original's in order.
+    /// The mesh. Vertices and faces are in the order of a space-filling curve.
     pub mesh: Mesh,
     /// Where each of its vertices lies on the original.
     pub at: Vec<SurfacePoint>,
@@ -145,6 +145,15 @@ struct Tiling<'m> {
     kept_old: usize,
 }
 
+impl Tiling<'_> {
+    /// Forgets what has been taken out.
+    fn compact(&mut self, order: Option<Vec<u32>>) {
+        let kept = self.surgery.compact(order);
+        self.at = kept.iter().map(|&v| self.at[v as usize]).collect();
+        self.role = kept.iter().map(|&v| self.role[v as usize]).collect();
+    }
+}
+
 /// Fewest vertices of a closed component, and of a boundary loop.
 const LEAST_CLOSED: usize = 4;
 const LEAST_LOOP: usize = 3;
@@ -152,8 +161,12 @@ const LEAST_LOOP: usize = 3;
 /// At most this share of the vertices goes to boundaries and creases.
 const LINES_SHARE: f64 = 0.5;
 
-/// Rounds of repulsion after which vertices are moved from crowded to roomy places.
-const RELOCATING: usize = 8;
+/// Rounds of repulsion alone that end it, in which what was moved from crowded to roomy places settles; and their largest number,
+/// if old vertices are missed or the number of vertices is not yet what was asked for.
+const SETTLING: usize = 3;
+const MOST_SETTLING: usize = 9;
+/// The last ones put nothing back any more.
+const MEASURING: usize = 3;
 
 /// Re-tiles a mesh. Linear in old and new vertices together.
 ///
@@ -166,21 +179,33 @@ pub fn retile(mesh: &Mesh, options: &RetileOptions, progress: &dyn Progress) -> 
     cancelled(progress)?;
     progress.stage("removing old vertices", 0);
     remove::remove_old(&mut t, &mut scratch);
+    t.compact(Some(sites::along_curve(t.surgery.alive(), |v| t.surgery.positions[v as usize].as_vec3())));
     progress.stage("repelling vertices", options.rounds as u64);
     for round in 0..options.rounds {
         cancelled(progress)?;
         repulsion::relax(&mut t, &mut scratch);
-        if round < RELOCATING {
-            repulsion::relocate(&mut t, false, &mut scratch);
-        }
+        repulsion::relocate(&mut t, false, &mut scratch);
         progress.done(round as u64 + 1);
     }
-    cancelled(progress)?;
     progress.stage("comparing surfaces", 0);
-    let (put_back, farthest) = reach::put_back(&mut t, &mut scratch)?;
-    let (new, kept) = t.surgery.finish()?;
-    let at = kept.iter().map(|&v| t.at[v as usize]).collect();
-    let on_lines = (0..new.vertex_count()).filter(|&i| remove::is_on_line(&t.surgery, kept[i], &mut scratch.fan)).count();
+    let mut put_back = 0;
+    let mut farthest = 0.0;
+    for round in 0..MOST_SETTLING {
+        cancelled(progress)?;
+        repulsion::relax(&mut t, &mut scratch);
+        let mut put = 0;
+        if round > 0 {
+            (put, farthest) = reach::put_back(&mut t, round + MEASURING < MOST_SETTLING, &mut scratch);
+            put_back += put;
+        }
+        let moved = t.surgery.alive_vertices() != t.count && repulsion::relocate(&mut t, true, &mut scratch) > 0;
+        if round + 1 >= SETTLING && put == 0 && !moved {
+            break;
+        }
+    }
+    t.compact(None);
+    let new = t.surgery.mesh();
+    let on_lines = (0..new.vertex_count() as u32).filter(|&v| remove::is_on_line(&t.surgery, v, &mut scratch.fan)).count();
     let statistics = RetileStatistics {
         asked: options.vertices,
         vertices: new.vertex_count(),
@@ -190,7 +215,7 @@ pub fn retile(mesh: &Mesh, options: &RetileOptions, progress: &dyn Progress) -> 
         farthest,
         evenness: evenness(&new),
     };
-    Ok(Retiled { mesh: new, at, statistics })
+    Ok(Retiled { mesh: new, at: t.at, statistics })
 }
 
 fn cancelled(progress: &dyn Progress) -> Result<(), RetileError> {
@@ -240,7 +265,7 @@ fn start<'m>(mesh: &'m Mesh, options: &RetileOptions) -> Result<Tiling<'m>, Reti
     let mut at: Vec<SurfacePoint> = first.iter().map(|&h| if h == NONE { at_origin(0) } else { at_origin(h) }).collect();
     at.extend(&mutual.at);
     let positions = at.iter().map(|&p| mesh.position(p)).collect();
-    let surgery = Surgery::new(positions, mutual.mesh.faces, mutual.mesh.opposite, mutual.on_line);
+    let surgery = Surgery::new(positions, mutual.faces, mutual.opposite, mutual.on_line);
     Ok(Tiling { original: mesh, surgery, at, role, count: asked, edge, kept_old: 0 })
 }
 

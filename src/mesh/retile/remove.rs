@@ -30,6 +30,10 @@ pub(super) fn remove_old(t: &mut Tiling, scratch: &mut Scratch) {
     for least in PASSES {
         left.retain(|&v| !remove(t, v, least, scratch));
     }
+    left.retain(|&v| {
+        ease(&mut t.surgery, v, scratch);
+        !remove(t, v, PASSES[PASSES.len() - 1], scratch)
+    });
     for v in left {
         t.role[v as usize] = if is_on_line(&t.surgery, v, &mut scratch.fan) { Role::Fixed } else { Role::Free };
         t.kept_old += 1;
@@ -80,6 +84,29 @@ pub(super) fn remove(t: &mut Tiling, v: u32, least: f64, scratch: &mut Scratch) 
         }
     }
     false
+}
+
+/// Flips edges away from a vertex with many, so that a hole too bent to be seen from any of its corners becomes small.
+fn ease(s: &mut Surgery, v: u32, scratch: &mut Scratch) {
+    let mut flipped = true;
+    while flipped {
+        flipped = false;
+        s.fan(v, &mut scratch.fan);
+        if scratch.fan.spokes.len() <= 3 {
+            return;
+        }
+        for h in scratch.fan.spokes.clone() {
+            let Some([c, d]) = s.diagonal(h) else { continue };
+            let [a, b, p, q] = [v, s.target(h), c, d].map(|w| s.positions[w as usize]);
+            let both = (b - a).cross(p - a) + (a - b).cross(q - b);
+            let seen = |n: DVec3| n.dot(both) > 0.1 * n.length() * both.length();
+            if seen((q - a).cross(p - a)) && seen((b - q).cross(p - q)) && !s.are_joined(c, d, &mut scratch.others) {
+                s.flip(h);
+                flipped = true;
+                break;
+            }
+        }
+    }
 }
 
 /// The worst of the triangles that pulling `v` along `h` makes, between 0 (a line) and 1 (equilateral), less what the worst of

@@ -9,8 +9,8 @@
 //! most room: the ends of a long way in one step.
 
 use super::flips::{flip_all, flip_from};
-use super::remove::{Scratch, is_on_line, remove, sides};
-use super::surgery::{Fan, Surgery};
+use super::remove::{Scratch, remove, sides};
+use super::surgery::Surgery;
 use super::{Role, Tiling};
 use crate::mesh::transport::{projected, turned};
 use crate::mesh::walk::walk;
@@ -19,11 +19,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 /// Edges shorter and longer than these shares of the mean length that the count asks for are crowded and roomy.
-const SHORT: f64 = 0.66;
-const LONG: f64 = 1.42;
+const SHORT: f64 = 0.78;
+const LONG: f64 = 1.28;
 
 /// How far beyond the centroid a step goes: Lloyd's method falls short of where it would end.
-const BEYOND: f64 = 1.5;
+const BEYOND: f64 = 0.8;
 
 /// A step is no longer than this share of an edge.
 const LONGEST_STEP: f64 = 0.4;
@@ -37,7 +37,7 @@ pub(super) fn relax(t: &mut Tiling, scratch: &mut Scratch) -> f64 {
     flip_all(&mut t.surgery, &mut scratch.fan);
     let seen: &Tiling = t;
     let steps: Vec<Option<(SurfacePoint, DVec3)>> =
-        (0..seen.role.len() as u32).into_par_iter().map_init(Fan::default, |fan, v| step(seen, v, fan)).collect();
+        (0..seen.role.len() as u32).into_par_iter().map(|v| step(seen, v)).collect();
     let before = t.surgery.positions.clone();
     let (mut sum, mut count) = (0.0, 0);
     let mut from = Vec::with_capacity(steps.len());
@@ -67,21 +67,32 @@ pub(super) fn relax(t: &mut Tiling, scratch: &mut Scratch) -> f64 {
 }
 
 /// Where a vertex goes.
-fn step(t: &Tiling, v: u32, fan: &mut Fan) -> Option<(SurfacePoint, DVec3)> {
+fn step(t: &Tiling, v: u32) -> Option<(SurfacePoint, DVec3)> {
     let s = &t.surgery;
     if t.role[v as usize] != Role::Free || !s.is_alive(v) {
         return None;
     }
-    s.fan(v, fan);
     let here = s.positions[v as usize];
     let (mut centre, mut normal, mut total) = (DVec3::ZERO, DVec3::ZERO, 0.0);
-    for &spoke in &fan.spokes {
-        let (p, q) = (s.positions[s.target(spoke) as usize] - here, s.positions[s.origin(prev(spoke)) as usize] - here);
+    let start = s.start[v as usize];
+    let mut spoke = start;
+    let mut p = s.positions[s.target(start) as usize] - here;
+    loop {
+        let before = prev(spoke);
+        let q = s.positions[s.origin(before) as usize] - here;
         let area = p.cross(q);
         normal += area;
         let size = area.length();
         total += size;
         centre += (p + q) * (size / 3.0);
+        p = q;
+        spoke = s.opposite[before as usize];
+        if spoke == start {
+            break;
+        }
+        if spoke == NONE {
+            return None;
+        }
     }
     let normal = normal.try_normalize()?;
     if !(total > 0.0) {
@@ -102,13 +113,15 @@ fn spoilt(s: &Surgery, before: &[DVec3], edge: f64) -> Vec<u32> {
             return false;
         }
         let [a, b, c] = s.faces[f as usize].map(|v| before[v as usize]);
-        let old = (b - a).cross(c - a);
         let p = s.corners(f);
-        let new = s.area_vector(f);
-        let moved = p != [a, b, c];
-        let longest = p[0].distance(p[1]).max(p[1].distance(p[2])).max(p[2].distance(p[0]));
-        let flat = new.length() < LEAST_HEIGHT * edge * longest && new.length() < old.length();
-        moved && (flat || new.dot(old) < LEAST_TURN * new.length() * old.length())
+        if p == [a, b, c] {
+            return false;
+        }
+        let (old, new) = ((b - a).cross(c - a), (p[1] - p[0]).cross(p[2] - p[0]));
+        let (same, old, new) = (new.dot(old), old.length_squared(), new.length_squared());
+        let longest = p[0].distance_squared(p[1]).max(p[1].distance_squared(p[2])).max(p[2].distance_squared(p[0]));
+        let flat = new < (LEAST_HEIGHT * edge).powi(2) * longest && new < old;
+        flat || same < 0.0 || same * same < LEAST_TURN * LEAST_TURN * old * new
     };
     (0..s.faces.len() as u32).into_par_iter().filter(spoilt).collect()
 }
@@ -118,23 +131,21 @@ fn spoilt(s: &Surgery, before: &[DVec3], edge: f64) -> Vec<u32> {
 pub(super) fn relocate(t: &mut Tiling, exactly: bool, scratch: &mut Scratch) -> usize {
     let s = &t.surgery;
     let alive = s.alive_vertices();
-    let (mut short, mut long) = (Vec::new(), Vec::new());
-    for h in 0..3 * s.faces.len() as u32 {
-        if !s.face_alive(h / 3) || (s.opposite[h as usize] != NONE && s.opposite[h as usize] < h) {
-            continue;
-        }
-        let length = s.length(h);
-        let ends = [s.origin(h), s.target(h)];
-        if exactly && alive > t.count || length < SHORT * t.edge {
-            short.push((length, h, ends));
-        }
-        // The longest edges of two faces only, so that halving them makes good ones.
+    let edges = |wanted: &(dyn Fn(u32, f64) -> bool + Sync)| -> Vec<(f64, u32, [u32; 2])> {
+        let one = |h: u32| {
+            let listed = s.face_alive(h / 3) && (s.opposite[h as usize] == NONE || h < s.opposite[h as usize]);
+            let length = if listed { s.length(h) } else { return None };
+            wanted(h, length).then(|| (length, h, [s.origin(h), s.target(h)]))
+        };
+        (0..3 * s.faces.len() as u32).into_par_iter().filter_map(one).collect()
+    };
+    let mut short = edges(&|_, length| length < if exactly && alive > t.count { t.edge } else { SHORT * t.edge });
+    let mut long = edges(&|h, length| {
+        let roomy = length > if exactly && alive < t.count { t.edge } else { LONG * t.edge };
+        // The longest edge of both its faces, so that halving it makes good ones.
         let longest = |f: u32| sides(f).iter().all(|&e| s.length(e) <= length);
-        let roomy = length > LONG * t.edge || exactly && alive < t.count;
-        if roomy && !s.feature[h as usize] && longest(h / 3) && longest(s.opposite[h as usize] / 3) {
-            long.push((length, h, ends));
-        }
-    }
+        roomy && !s.feature[h as usize] && longest(h / 3) && longest(s.opposite[h as usize] / 3)
+    });
     short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     long.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut out = 0;
@@ -197,13 +208,4 @@ fn split(t: &mut Tiling, h: u32, scratch: &mut Scratch) {
         scratch.queue.extend([next(spoke), spoke]);
     }
     flip_from(s, &mut scratch.queue, &mut scratch.fan);
-}
-
-/// Vertices that the lines have taken since are free no longer.
-pub(super) fn fix_lines(t: &mut Tiling, scratch: &mut Scratch) {
-    for v in 0..t.role.len() as u32 {
-        if t.surgery.is_alive(v) && t.role[v as usize] == Role::Free && is_on_line(&t.surgery, v, &mut scratch.fan) {
-            t.role[v as usize] = Role::Fixed;
-        }
-    }
 }

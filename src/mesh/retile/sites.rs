@@ -46,7 +46,7 @@ pub(super) fn shares(areas: &[f64], least: &[usize], count: usize) -> Vec<usize>
 
 /// Points in the faces of each component, `shares[c]` in component `c`, in the order of their faces.
 pub(super) fn sites(mesh: &Mesh, component: &[u32], shares: &[usize], areas: &[f64], seed: u64) -> Vec<SurfacePoint> {
-    let order = along_curve(mesh);
+    let order = along_curve((0..mesh.face_count() as u32).collect(), |f| mesh.centroid(f).as_vec3());
     let mut sums = vec![0.5; shares.len()];
     let mut left = shares.to_vec();
     let mut counts = vec![0_u32; mesh.face_count()];
@@ -82,9 +82,10 @@ pub(super) fn sites(mesh: &Mesh, component: &[u32], shares: &[usize], areas: &[f
     out
 }
 
-/// Faces in the order of a space-filling curve through their centroids.
-fn along_curve(mesh: &Mesh) -> Vec<u32> {
-    let (low, high) = mesh.bounds();
+/// Elements in the order of a space-filling curve through their places.
+pub(super) fn along_curve(elements: Vec<u32>, place: impl Fn(u32) -> Vec3) -> Vec<u32> {
+    let bounds = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    let (low, high) = elements.iter().map(|&e| place(e)).fold(bounds, |(low, high), p| (low.min(p), high.max(p)));
     let size = (high - low).max_element().max(f32::MIN_POSITIVE);
     let spread = |x: f32| {
         let mut bits = u64::from((x.clamp(0.0, 1.0) * 1_048_575.0) as u32);
@@ -94,13 +95,13 @@ fn along_curve(mesh: &Mesh) -> Vec<u32> {
         bits = (bits | bits << 4) & 0x10C3_0C30_C30C_30C3;
         (bits | bits << 2) & 0x1249_2492_4924_9249
     };
-    let key = |f: u32| {
-        let at: Vec3 = (mesh.centroid(f).as_vec3() - low) / size;
+    let key = |e: u32| {
+        let at = (place(e) - low) / size;
         spread(at.x) | spread(at.y) << 1 | spread(at.z) << 2
     };
-    let mut order: Vec<(u64, u32)> = (0..mesh.face_count() as u32).map(|f| (key(f), f)).collect();
+    let mut order: Vec<(u64, u32)> = elements.into_iter().map(|e| (key(e), e)).collect();
     order.sort_unstable();
-    order.into_iter().map(|(_, f)| f).collect()
+    order.into_iter().map(|(_, e)| e).collect()
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! A mesh whose connectivity changes: flips, collapses, splits, and what must hold for each.
 //!
 //! The table is that of [`Mesh`]: half-edges are corners, paired by `opposite`. No operation changes the topology of the
-//! surface; one that would is not possible, and says so. Dead faces and vertices stay in place until [`Surgery::finish`].
+//! surface; one that would is not possible, and says so. Dead faces and vertices stay in place until [`Surgery::compact`].
 
-use crate::mesh::{Mesh, MeshError, NONE, next, prev};
+use crate::mesh::{Mesh, NONE, next, prev};
 use glam::DVec3;
 
 /// A mesh under change.
@@ -265,14 +265,39 @@ impl Surgery {
         self.start.iter().filter(|&&h| h != NONE).count()
     }
 
-    /// The mesh that is left, and for each of its vertices the one here.
-    pub(super) fn finish(&self) -> Result<(Mesh, Vec<u32>), MeshError> {
-        let kept: Vec<u32> = (0..self.start.len() as u32).filter(|&v| self.is_alive(v)).collect();
-        let mut place = vec![NONE; self.start.len()];
-        kept.iter().enumerate().for_each(|(i, &v)| place[v as usize] = i as u32);
-        let faces = self.faces.iter().filter(|c| c[0] != NONE).map(|c| c.map(|v| place[v as usize])).collect();
-        let positions = kept.iter().map(|&v| self.positions[v as usize].as_vec3()).collect();
-        Ok((Mesh::new(positions, faces)?, kept))
+    /// Forgets dead vertices and faces. Returns the old number of each vertex that is left, which is also the order asked for if
+    /// `order` gives one.
+    pub(super) fn compact(&mut self, order: Option<Vec<u32>>) -> Vec<u32> {
+        let kept = order.unwrap_or_else(|| self.alive());
+        let mut vertex = vec![NONE; self.start.len()];
+        kept.iter().enumerate().for_each(|(i, &v)| vertex[v as usize] = i as u32);
+        let place = |f: u32| self.faces[f as usize].map(|v| vertex[v as usize]);
+        let mut faces: Vec<u32> = (0..self.faces.len() as u32).filter(|&f| self.face_alive(f)).collect();
+        if !kept.is_sorted() {
+            faces.sort_by_cached_key(|&f| (place(f).into_iter().min(), f));
+        }
+        let mut face = vec![NONE; self.faces.len()];
+        faces.iter().enumerate().for_each(|(i, &f)| face[f as usize] = i as u32);
+        let moved = |h: u32| if h == NONE { NONE } else { 3 * face[(h / 3) as usize] + h % 3 };
+        let sides = || faces.iter().flat_map(|&f| 3 * f as usize..3 * f as usize + 3);
+        let opposite = sides().map(|h| moved(self.opposite[h])).collect();
+        let feature = sides().map(|h| self.feature[h]).collect();
+        let positions = kept.iter().map(|&v| self.positions[v as usize]).collect();
+        let start = kept.iter().map(|&v| moved(self.start[v as usize])).collect();
+        let faces = faces.iter().map(|&f| place(f)).collect();
+        *self = Self { faces, opposite, feature, start, positions };
+        kept
+    }
+
+    /// Vertices that are left.
+    pub(super) fn alive(&self) -> Vec<u32> {
+        (0..self.start.len() as u32).filter(|&v| self.is_alive(v)).collect()
+    }
+
+    /// The mesh as it is; nothing in it may be dead.
+    pub(super) fn mesh(&self) -> Mesh {
+        let positions = self.positions.iter().map(|p| p.as_vec3()).collect();
+        Mesh { positions, faces: self.faces.clone(), opposite: self.opposite.clone() }
     }
 }
 
@@ -289,8 +314,12 @@ mod tests {
 
     /// The table must be the one that the faces alone give.
     fn check(s: &Surgery, euler: i64) {
-        let (mesh, _) = s.finish().expect("a manifold");
+        let mut compact = s.clone();
+        compact.compact(None);
+        let mesh = compact.mesh();
         mesh.check().expect("invariants");
+        let twin = Mesh::new(mesh.positions.clone(), mesh.faces.clone()).expect("a manifold");
+        assert_eq!(mesh.opposite, twin.opposite, "the table is the one that the faces give");
         assert_eq!(mesh.euler_characteristic(), euler, "Euler characteristic");
         let mut fan = Fan::default();
         for v in (0..s.start.len() as u32).filter(|&v| s.is_alive(v)) {

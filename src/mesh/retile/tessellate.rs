@@ -4,7 +4,7 @@
 //! it and the cuts of its sides, laid in its plane. Where faces meet they share the cuts, so the pieces fit.
 
 use super::features::Features;
-use crate::mesh::{Mesh, MeshError, NONE, SurfacePoint};
+use crate::mesh::{MAX_FACES, Mesh, MeshError, NONE, SurfacePoint, next};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
@@ -12,9 +12,10 @@ use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation
 /// Faces of the original triangulated by one task.
 const CHUNK: usize = 4096;
 
-/// All vertices, the original's first, then cuts, then sites.
+/// One mesh through all vertices, the original's first, then cuts, then sites.
 pub(super) struct Mutual {
-    pub(super) mesh: Mesh,
+    pub(super) faces: Vec<[u32; 3]>,
+    pub(super) opposite: Vec<u32>,
     /// Per half-edge: it lies on a line.
     pub(super) on_line: Vec<bool>,
     /// Where each new vertex lies.
@@ -37,6 +38,17 @@ impl HasPosition for Laid {
     }
 }
 
+/// Triangles of some faces of the original.
+#[derive(Default)]
+struct Pieces {
+    faces: Vec<[u32; 3]>,
+    /// Half-edges are counted from the first of these pieces; [`NONE`] along the sides of the original's faces.
+    opposite: Vec<u32>,
+    on_line: Vec<bool>,
+    /// Along the sides: the side (a half-edge of the original), the vertex where the piece starts, and its half-edge here.
+    sides: Vec<(u32, u32, u32)>,
+}
+
 /// The mutual tessellation of a mesh, its lines' cuts and sites that are sorted by face.
 pub(super) fn tessellate(mesh: &Mesh, features: &Features, sites: &[SurfacePoint]) -> Result<Mutual, MeshError> {
     let old = mesh.vertex_count() as u32;
@@ -53,47 +65,100 @@ pub(super) fn tessellate(mesh: &Mesh, features: &Features, sites: &[SurfacePoint
     on_sides.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
 
     let faces: Vec<u32> = (0..mesh.face_count() as u32).collect();
-    let pieces: Vec<(Vec<[u32; 3]>, Vec<bool>)> = faces
+    let chunks: Vec<Pieces> = faces
         .par_chunks(CHUNK)
         .map(|chunk| {
-            let (mut out, mut on_line) = (Vec::with_capacity(2 * chunk.len()), Vec::with_capacity(6 * chunk.len()));
+            let mut out = Pieces::default();
             let mut site = sites.partition_point(|s| s.face < chunk[0]);
             let mut cut = on_sides.partition_point(|s| s.0 < 3 * chunk[0]);
             for &f in chunk {
-                let (site_end, cut_end) = (
-                    site + sites[site..].iter().take_while(|s| s.face == f).count(),
-                    cut + on_sides[cut..].iter().take_while(|s| s.0 < 3 * f + 3).count(),
-                );
+                let site_end = site + sites[site..].iter().take_while(|s| s.face == f).count();
+                let cut_end = cut + on_sides[cut..].iter().take_while(|s| s.0 < 3 * f + 3).count();
                 let laid = lay(mesh, f, &sites[site..site_end], first_site + site as u32, &on_sides[cut..cut_end]);
-                let lines = [0, 1, 2].map(|k| features.on_line[(3 * f + k) as usize]);
-                triangulate(&laid, |triangle| {
-                    out.push(triangle.map(|v: Laid| v.vertex));
-                    for k in 0..3 {
-                        let shared = triangle[k].sides & triangle[(k + 1) % 3].sides;
-                        on_line.push((0..3).any(|side| shared & 1 << side != 0 && lines[side]));
-                    }
-                });
+                out.add(f, &triangulate(&laid), features);
                 (site, cut) = (site_end, cut_end);
             }
-            (out, on_line)
+            out
         })
         .collect();
-    let mut all = Vec::with_capacity(pieces.iter().map(|p| p.0.len()).sum());
-    let mut on_line = Vec::with_capacity(3 * all.capacity());
-    for (faces, lines) in pieces {
-        all.extend(faces);
-        on_line.extend(lines);
-    }
     let on_cut = |&(h, share): &(u32, f64)| {
         let mut bary = DVec3::ZERO;
         bary[(h % 3) as usize] = 1.0 - share;
         bary[((h + 1) % 3) as usize] = share;
         SurfacePoint { face: h / 3, bary: bary.as_vec3() }
     };
-    let at: Vec<SurfacePoint> = features.cuts.iter().map(on_cut).chain(sites.iter().copied()).collect();
-    let mut positions = mesh.positions.clone();
-    positions.extend(at.iter().map(|&p| mesh.position(p).as_vec3()));
-    Ok(Mutual { mesh: Mesh::new(positions, all)?, on_line, at })
+    let at = features.cuts.iter().map(on_cut).chain(sites.iter().copied()).collect();
+    joined(mesh, chunks, at)
+}
+
+/// Puts pieces together along the sides they share. By sides and not by vertices: a mesh may have two edges between the same two
+/// vertices.
+fn joined(mesh: &Mesh, chunks: Vec<Pieces>, at: Vec<SurfacePoint>) -> Result<Mutual, MeshError> {
+    let count = chunks.iter().map(|p| p.faces.len()).sum();
+    if count > MAX_FACES {
+        return Err(MeshError::TooLarge { count, max: MAX_FACES });
+    }
+    let mut out = Mutual { faces: Vec::with_capacity(count), opposite: Vec::new(), on_line: Vec::new(), at };
+    out.opposite.reserve(3 * count);
+    out.on_line.reserve(3 * count);
+    let mut sides = Vec::new();
+    for piece in chunks {
+        let first = 3 * out.faces.len() as u32;
+        out.faces.extend(piece.faces);
+        out.opposite.extend(piece.opposite.into_iter().map(|o| if o == NONE { NONE } else { first + o }));
+        out.on_line.extend(piece.on_line);
+        sides.extend(piece.sides.into_iter().map(|(side, from, h)| (side, from, first + h)));
+    }
+    // Pieces come face by face, so those of a side lie together.
+    let mut start = vec![0_u32; mesh.opposite.len() + 1];
+    sides.sort_unstable_by_key(|s| s.0);
+    sides.iter().for_each(|s| start[s.0 as usize + 1] += 1);
+    (0..mesh.opposite.len()).for_each(|h| start[h + 1] += start[h]);
+    let of = |side: u32| &sides[start[side as usize] as usize..start[side as usize + 1] as usize];
+    for side in 0..mesh.opposite.len() as u32 {
+        let beyond = mesh.opposite[side as usize];
+        if beyond == NONE || beyond < side {
+            continue;
+        }
+        for &(_, _, h) in of(side) {
+            let end = out.faces[(next(h) / 3) as usize][(next(h) % 3) as usize];
+            if let Some(&(_, _, o)) = of(beyond).iter().find(|s| s.1 == end) {
+                out.opposite[h as usize] = o;
+                out.opposite[o as usize] = h;
+            }
+        }
+    }
+    Ok(out)
+}
+
+impl Pieces {
+    /// Takes in the triangles of one face.
+    fn add(&mut self, face: u32, triangles: &[[Laid; 3]], features: &Features) {
+        let first = 3 * self.faces.len() as u32;
+        let mut inner: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * triangles.len());
+        for (i, triangle) in triangles.iter().enumerate() {
+            self.faces.push(triangle.map(|v| v.vertex));
+            for k in 0..3 {
+                let h = first + 3 * i as u32 + k as u32;
+                let (a, b) = (triangle[k], triangle[(k + 1) % 3]);
+                let side = (a.sides & b.sides).trailing_zeros();
+                self.opposite.push(NONE);
+                self.on_line.push(side < 3 && features.on_line[(3 * face + side) as usize]);
+                if side < 3 {
+                    self.sides.push((3 * face + side, a.vertex, h));
+                } else {
+                    inner.push((a.vertex.min(b.vertex), a.vertex.max(b.vertex), h));
+                }
+            }
+        }
+        inner.sort_unstable();
+        for pair in inner.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+            if let [(_, _, g), (_, _, h)] = *pair {
+                self.opposite[g as usize] = h;
+                self.opposite[h as usize] = g;
+            }
+        }
+    }
 }
 
 /// The vertices of one face in its plane, its longest side as unit of length: corners, then cuts, then sites.
@@ -123,14 +188,14 @@ fn lay(mesh: &Mesh, face: u32, sites: &[SurfacePoint], first_site: u32, cuts: &[
 }
 
 /// Triangles of a face, counter-clockwise.
-fn triangulate(laid: &[Laid], mut emit: impl FnMut([Laid; 3])) {
+fn triangulate(laid: &[Laid]) -> Vec<[Laid; 3]> {
     match *laid {
-        [a, b, c] => return emit([a, b, c]),
-        [a, b, c, m] if m.sides == 0 => return [[a, b, m], [b, c, m], [c, a, m]].into_iter().for_each(emit),
+        [a, b, c] => return vec![[a, b, c]],
+        [a, b, c, m] if m.sides == 0 => return vec![[a, b, m], [b, c, m], [c, a, m]],
         _ => {}
     }
     // The sides, cut by cut.
-    let mut edges = Vec::with_capacity(3);
+    let mut edges = Vec::with_capacity(laid.len());
     for k in 0..3 {
         let mut from = k;
         for (i, _) in laid.iter().enumerate().skip(3).filter(|(_, v)| v.sides == 1 << k) {
@@ -139,17 +204,13 @@ fn triangulate(laid: &[Laid], mut emit: impl FnMut([Laid; 3])) {
         }
         edges.push([from, (k + 1) % 3]);
     }
-    // Neither fails for finite points and sides that do not cross; a face that did would stay whole, without its points.
+    // It does not fail for finite points and sides that do not cross; a face where it did would stay whole.
     let Ok(made) = ConstrainedDelaunayTriangulation::<Laid>::bulk_load_cdt(laid.to_vec(), edges) else {
-        return emit([laid[0], laid[1], laid[2]]);
+        return vec![[laid[0], laid[1], laid[2]]];
     };
-    for face in made.inner_faces() {
-        let triangle = face.vertices().map(|v| *v.data());
-        // Rounding may leave a cut beside its side: what lies between them has no width.
-        if triangle[0].sides & triangle[1].sides & triangle[2].sides == 0 {
-            emit(triangle);
-        }
-    }
+    // Rounding may leave a cut beside its side: what lies between them has no width.
+    let within = |t: &[Laid; 3]| t[0].sides & t[1].sides & t[2].sides == 0;
+    made.inner_faces().map(|face| face.vertices().map(|v| *v.data())).filter(within).collect()
 }
 
 #[cfg(test)]
@@ -172,26 +233,21 @@ mod tests {
                 let spacing = (mesh.total_area() / count as f64).sqrt();
                 let lines = features(&mesh, lines(&mesh, crease), spacing);
                 let points = sites(&mesh, &component, &[count], &[mesh.total_area()], 7);
-                let mutual = tessellate(&mesh, &lines, &points).expect("a manifold");
-                mutual.mesh.check().expect("invariants");
-                let (a, b) = (mutual.mesh.total_area(), mesh.total_area());
+                let mutual = tessellate(&mesh, &lines, &points).expect("it fits");
+                let mut positions = mesh.positions.clone();
+                positions.extend(mutual.at.iter().map(|&p| mesh.position(p).as_vec3()));
+                let made = Mesh { positions, faces: mutual.faces, opposite: mutual.opposite };
+                made.check().expect("invariants");
+                let (a, b) = (made.total_area(), mesh.total_area());
                 assert!((a / b - 1.0).abs() < 1e-6, "area {a} of {b}");
-                assert_eq!(mutual.mesh.euler_characteristic(), mesh.euler_characteristic(), "Euler characteristic");
+                assert_eq!(made.euler_characteristic(), mesh.euler_characteristic(), "Euler characteristic");
                 let vertices = mesh.vertex_count() + lines.cuts.len() + count;
-                let faces = mutual.mesh.faces.as_flattened();
-                assert_eq!(mutual.mesh.vertex_count(), vertices, "vertices");
+                let faces = made.faces.as_flattened();
+                assert_eq!(made.vertex_count(), vertices, "vertices");
                 assert!((0..vertices as u32).all(|v| faces.contains(&v)), "every vertex is used");
-                let on: f64 = mutual
-                    .mesh
-                    .opposite
-                    .iter()
-                    .enumerate()
-                    .filter(|&(h, &o)| mutual.on_line[h] && (o == NONE || (h as u32) < o))
-                    .map(|(h, _)| {
-                        let h = h as u32;
-                        mutual.mesh.point(mutual.mesh.origin(h)).distance(mutual.mesh.point(mutual.mesh.origin(crate::mesh::next(h))))
-                    })
-                    .sum();
+                let once = |h: &u32| mutual.on_line[*h as usize] && (made.opposite[*h as usize] == NONE || *h < made.opposite[*h as usize]);
+                let length = |h: u32| made.point(made.origin(h)).distance(made.point(made.origin(next(h))));
+                let on: f64 = (0..made.opposite.len() as u32).filter(once).map(length).sum();
                 let all = super::super::features::line_length(&mesh, &lines.on_line);
                 assert!((on - all).abs() < 1e-5 * all.max(1.0), "lines are {on} long, {all} before");
             }
