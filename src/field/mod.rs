@@ -7,12 +7,14 @@
 //! * [`Constraints`] are what a user asks for at a few places; tied to a mesh they are [`Anchor`]s.
 //! * [`constrained()`] spreads anchors over the surface.
 //! * [`isotropic()`] and [`constrained_scale()`] give a scale alone, for exemplars that look the same every way.
+//! * [`nway`] makes fields of n directions a place, as smooth as can be, along curvature or creases if asked to.
 //! * [`singularities()`] are the vertices around which a field turns; [`refine_near_singularities()`] makes faces there finer.
 
 pub mod constrained;
 pub mod constraints;
 pub mod error;
 pub mod fill;
+pub mod nway;
 pub mod refine;
 pub mod singularities;
 pub mod spread;
@@ -23,6 +25,7 @@ pub mod up;
 pub use constrained::{ConstrainedStatistics, FieldOptions, constrained, constrained_on, constrained_scale, isotropic};
 pub use constraints::{Anchor, Constraint, Constraints};
 pub use error::{ConstraintProblem, FieldError};
+pub use nway::{NWayField, NWayOptions, NWaySolver, NWayStatistics, comb};
 pub use refine::{RefineOptions, RefineStatistics, Refined, refine_near_singularities};
 pub use singularities::{Singularity, discontinuity, singularities};
 pub use spread::Carry;

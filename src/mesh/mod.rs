@@ -13,6 +13,7 @@ pub mod disc;
 pub mod geodesic;
 pub mod nearest;
 pub mod part;
+pub mod pyramid;
 pub mod retile;
 pub mod subdivide;
 pub mod transport;

@@ -1,0 +1,294 @@
+//! Sparse Hermitian matrices over the nodes of a connection, and a multigrid preconditioner for them.
+//!
+//! Based on: Vanek, Mandel, Brezina, "Algebraic multigrid by smoothed aggregation", 1996, as in [`crate::numeric::multigrid`]; here
+//! entries are complex, and what is constant on an aggregate is a direction carried out from its first node.
+
+use glam::DVec2;
+
+/// Damping of the step that smooths the prolongation.
+const SMOOTHING: f64 = 2.0 / 3.0;
+/// The coarsest level is solved by as many sweeps.
+const COARSEST: usize = 48;
+/// Levels of fewer nodes than this need no coarser one.
+const SMALL: usize = 40;
+/// A level that shrinks less than this is the last.
+const SHRINK: f64 = 0.7;
+
+/// A sparse complex matrix in compressed rows.
+#[derive(Debug, Clone)]
+pub(super) struct Matrix {
+    columns: usize,
+    start: Vec<u32>,
+    column: Vec<u32>,
+    value: Vec<DVec2>,
+}
+
+pub(super) fn conjugate(a: DVec2) -> DVec2 {
+    DVec2::new(a.x, -a.y)
+}
+
+/// The inner product, linear in the second.
+pub(super) fn inner(a: &[DVec2], b: &[DVec2]) -> DVec2 {
+    a.iter().zip(b).map(|(&a, &b)| conjugate(a).rotate(b)).sum()
+}
+
+impl Matrix {
+    pub(super) fn new(columns: usize) -> Self {
+        Self { columns, start: vec![0], column: Vec::new(), value: Vec::new() }
+    }
+
+    pub(super) fn push(&mut self, column: u32, value: DVec2) {
+        self.column.push(column);
+        self.value.push(value);
+    }
+
+    pub(super) fn end_row(&mut self) {
+        self.start.push(self.column.len() as u32);
+    }
+
+    const fn rows(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    #[inline]
+    fn row(&self, row: usize) -> impl Iterator<Item = (usize, DVec2)> + '_ {
+        let range = self.start[row] as usize..self.start[row + 1] as usize;
+        self.column[range.clone()].iter().map(|&c| c as usize).zip(self.value[range].iter().copied())
+    }
+
+    #[inline]
+    fn row_times(&self, row: usize, x: &[DVec2]) -> DVec2 {
+        self.row(row).map(|(c, v)| v.rotate(x[c])).sum()
+    }
+
+    pub(super) fn times(&self, x: &[DVec2]) -> Vec<DVec2> {
+        (0..self.rows()).map(|r| self.row_times(r, x)).collect()
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let of = |r: usize| self.row(r).find(|&(c, _)| c == r).map_or(0.0, |(_, v)| v.x);
+        (0..self.rows()).map(of).map(|d| if d > 0.0 { d } else { 1.0 }).collect()
+    }
+
+    fn adjoint(&self) -> Self {
+        let mut start = vec![0_u32; self.columns + 1];
+        self.column.iter().for_each(|&c| start[c as usize + 1] += 1);
+        (0..self.columns).for_each(|c| start[c + 1] += start[c]);
+        let mut fill = start.clone();
+        let (mut column, mut value) = (vec![0; self.column.len()], vec![DVec2::ZERO; self.value.len()]);
+        for row in 0..self.rows() {
+            for (c, v) in self.row(row) {
+                let at = fill[c] as usize;
+                fill[c] += 1;
+                (column[at], value[at]) = (row as u32, conjugate(v));
+            }
+        }
+        Self { columns: self.rows(), start, column, value }
+    }
+
+    fn product(&self, right: &Self) -> Self {
+        let mut out = Self::new(right.columns);
+        let mut place = vec![u32::MAX; right.columns];
+        for row in 0..self.rows() {
+            let begin = out.column.len();
+            for (k, a) in self.row(row) {
+                for (c, b) in right.row(k) {
+                    let p = place[c] as usize;
+                    if p >= begin && p < out.column.len() && out.column[p] as usize == c {
+                        out.value[p] += a.rotate(b);
+                    } else {
+                        place[c] = out.column.len() as u32;
+                        out.push(c as u32, a.rotate(b));
+                    }
+                }
+            }
+            out.end_row();
+        }
+        out
+    }
+}
+
+/// One level: its matrix and the way to the next coarser one.
+#[derive(Debug, Clone)]
+struct Level {
+    matrix: Matrix,
+    diagonal: Vec<f64>,
+    prolong: Option<Matrix>,
+    restrict: Option<Matrix>,
+}
+
+/// The hierarchy for one matrix.
+#[derive(Debug, Clone)]
+pub(super) struct Multigrid {
+    levels: Vec<Level>,
+}
+
+impl Multigrid {
+    pub(super) fn new(matrix: Matrix) -> Self {
+        let mut levels = Vec::new();
+        let mut matrix = matrix;
+        loop {
+            let diagonal = matrix.diagonal();
+            let prolong = (matrix.rows() > SMALL).then(|| prolongation(&matrix, &diagonal)).flatten();
+            let Some(prolong) = prolong else {
+                levels.push(Level { matrix, diagonal, prolong: None, restrict: None });
+                return Self { levels };
+            };
+            let restrict = prolong.adjoint();
+            let coarse = restrict.product(&matrix.product(&prolong));
+            levels.push(Level { matrix, diagonal, prolong: Some(prolong), restrict: Some(restrict) });
+            matrix = coarse;
+        }
+    }
+
+    pub(super) fn matrix(&self) -> &Matrix {
+        &self.levels[0].matrix
+    }
+
+    /// An approximate solution: one cycle.
+    pub(super) fn apply(&self, rhs: &[DVec2]) -> Vec<DVec2> {
+        cycle(&self.levels, rhs)
+    }
+
+    /// A vector that the matrix nearly maps to zero, found on the coarsest level and brought up.
+    pub(super) fn smoothest(&self) -> Vec<DVec2> {
+        let last = &self.levels[self.levels.len() - 1];
+        let mut x: Vec<DVec2> = (0..last.matrix.rows()).map(|i| DVec2::from_angle(i as f64 * 2.4)).collect();
+        for _ in 0..COARSEST {
+            x = cycle(&self.levels[self.levels.len() - 1..], &x);
+            scale(&mut x);
+        }
+        for k in (0..self.levels.len() - 1).rev() {
+            if let Some(prolong) = &self.levels[k].prolong {
+                x = prolong.times(&x);
+            }
+            for _ in 0..2 {
+                scale(&mut x);
+                x = cycle(&self.levels[k..], &x);
+            }
+            scale(&mut x);
+        }
+        x
+    }
+}
+
+fn scale(x: &mut [DVec2]) {
+    let length = inner(x, x).x.sqrt();
+    if length > 0.0 {
+        x.iter_mut().for_each(|v| *v /= length);
+    }
+}
+
+fn cycle(levels: &[Level], rhs: &[DVec2]) -> Vec<DVec2> {
+    let Level { matrix, diagonal, prolong, restrict } = &levels[0];
+    let n = matrix.rows();
+    let mut x = vec![DVec2::ZERO; n];
+    let sweep = |x: &mut [DVec2], i: usize| {
+        let residual = rhs[i] - matrix.row_times(i, x);
+        x[i] += residual / diagonal[i];
+    };
+    let (Some(prolong), Some(restrict)) = (prolong, restrict) else {
+        for _ in 0..COARSEST {
+            (0..n).for_each(|i| sweep(&mut x, i));
+            (0..n).rev().for_each(|i| sweep(&mut x, i));
+        }
+        return x;
+    };
+    (0..n).for_each(|i| sweep(&mut x, i));
+    let residual: Vec<DVec2> = (0..n).map(|i| rhs[i] - matrix.row_times(i, &x)).collect();
+    let coarse = cycle(&levels[1..], &restrict.times(&residual));
+    for (i, x) in x.iter_mut().enumerate() {
+        *x += prolong.row_times(i, &coarse);
+    }
+    (0..n).rev().for_each(|i| sweep(&mut x, i));
+    x
+}
+
+/// From aggregates to nodes, smoothed; `None` if hardly any two nodes belong together.
+fn prolongation(matrix: &Matrix, diagonal: &[f64]) -> Option<Matrix> {
+    const FREE: u32 = u32::MAX;
+    let n = matrix.rows();
+    let mut of = vec![(FREE, DVec2::X); n];
+    let mut count = 0;
+    // An entry is minus a weight times the direction there seen from here.
+    let carried = |v: DVec2| conjugate(-v).normalize_or(DVec2::X);
+    for i in 0..n {
+        if of[i].0 == FREE && matrix.row(i).all(|(j, _)| of[j].0 == FREE) {
+            of[i] = (count, DVec2::X);
+            matrix.row(i).filter(|&(j, _)| j != i).for_each(|(j, v)| of[j] = (count, carried(v)));
+            count += 1;
+        }
+    }
+    let first = of.clone();
+    for i in 0..n {
+        if of[i].0 == FREE {
+            let strongest = matrix
+                .row(i)
+                .filter(|&(j, _)| j != i && first[j].0 != FREE)
+                .max_by(|a, b| a.1.length_squared().total_cmp(&b.1.length_squared()));
+            match strongest {
+                Some((j, v)) => of[i] = (first[j].0, conjugate(carried(v)).rotate(first[j].1)),
+                None => {
+                    of[i] = (count, DVec2::X);
+                    count += 1;
+                }
+            }
+        }
+    }
+    if f64::from(count) > SHRINK * n as f64 {
+        return None;
+    }
+    let mut out = Matrix::new(count as usize);
+    let mut row: Vec<(u32, DVec2)> = Vec::new();
+    for i in 0..n {
+        row.clear();
+        row.push(of[i]);
+        for (j, v) in matrix.row(i) {
+            let (aggregate, direction) = of[j];
+            let add = v.rotate(direction) * (-SMOOTHING / diagonal[i]);
+            match row.iter_mut().find(|(c, _)| *c == aggregate) {
+                Some(entry) => entry.1 += add,
+                None => row.push((aggregate, add)),
+            }
+        }
+        row.iter().for_each(|&(c, v)| out.push(c, v));
+        out.end_row();
+    }
+    Some(out)
+}
+
+/// Solves `(matrix + diagonal) x = rhs` from the `x` given by conjugate gradients; returns the iterations.
+pub(super) fn solve(grid: &Multigrid, diagonal: &[f64], rhs: &[DVec2], x: &mut [DVec2], tolerance: f64, most: usize) -> usize {
+    let times = |x: &[DVec2]| {
+        let mut out = grid.matrix().times(x);
+        out.iter_mut().zip(x).zip(diagonal).for_each(|((o, &x), &d)| *o += x * d);
+        out
+    };
+    let product = times(x);
+    let mut r: Vec<DVec2> = rhs.iter().zip(&product).map(|(&b, &p)| b - p).collect();
+    let mut z = grid.apply(&r);
+    let mut direction = z.clone();
+    let mut rz = inner(&r, &z).x;
+    let size = inner(rhs, rhs).x.sqrt();
+    for iteration in 0..most {
+        if inner(&r, &r).x.sqrt() <= tolerance * size {
+            return iteration;
+        }
+        let product = times(&direction);
+        let bent = inner(&direction, &product).x;
+        if !(bent > 0.0) {
+            return iteration;
+        }
+        let step = rz / bent;
+        for i in 0..x.len() {
+            x[i] += direction[i] * step;
+            r[i] -= product[i] * step;
+        }
+        z = grid.apply(&r);
+        let new = inner(&r, &z).x;
+        let share = if rz > 0.0 { new / rz } else { 0.0 };
+        direction.iter_mut().zip(&z).for_each(|(d, &z)| *d = z + *d * share);
+        rz = new;
+    }
+    most
+}

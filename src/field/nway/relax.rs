@@ -1,0 +1,104 @@
+//! Relaxation: each node in turn takes the direction that fits its neighbours best, until nothing changes.
+//!
+//! Based on: Wei, Levoy 2001, sec. 3.1, whose error of a node is the sum over its neighbours of the squared angle between the two
+//! directions, less the nearest multiple of a full turn over n.
+//!
+//! That error has steps where the nearest multiple changes, and relaxation stands still in one of very many minima with dozens of
+//! singularities too many. So it is done first with the smooth function that has the same minima in the small, 2 (1 - cos n
+//! phi) / n^2, whose least value over one node is found exactly; and then with the paper's own, by moving to the mean of what
+//! is left of the angles. Both fall with every step.
+
+use super::connection::{Connection, unit, wrapped};
+use glam::DVec2;
+
+/// Which error is relaxed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// 2 (1 - cos n phi) / n^2.
+    Smooth,
+    /// The square of phi less the nearest multiple of a full turn over n (the paper's).
+    Nearest,
+}
+
+/// A wish at each node: the n-th power of a direction, as long as the wish is strong; zero for none.
+pub type Wishes = [DVec2];
+
+/// Relaxation ends when a sweep gains less than this share of the error,
+const SETTLED: f64 = 3e-5;
+/// or after this many sweeps.
+const SWEEPS: usize = 300;
+
+/// The error of a whole field: each pair of neighbours once, weighted, and the wishes.
+#[must_use]
+pub fn energy(table: &Connection, n: u32, powers: &[DVec2], wishes: &Wishes, measure: Measure) -> f64 {
+    let degree = f64::from(n);
+    let mut sum = 0.0;
+    for i in 0..table.len() as u32 {
+        let here = powers[i as usize];
+        for there in table.neighbours(i) {
+            let carried = powers[there.node as usize].rotate(unit(degree * there.turn));
+            sum += 0.5 * there.weight * error(here, carried, degree, measure);
+        }
+        let wish = wishes.get(i as usize).copied().unwrap_or_default();
+        let strength = wish.length();
+        if strength > 0.0 {
+            sum += strength * error(here, wish / strength, degree, measure);
+        }
+    }
+    sum
+}
+
+fn error(a: DVec2, b: DVec2, degree: f64, measure: Measure) -> f64 {
+    match measure {
+        Measure::Smooth => a.distance_squared(b) / (degree * degree),
+        Measure::Nearest => (a.perp_dot(b).atan2(a.dot(b)) / degree).powi(2),
+    }
+}
+
+/// Relaxes a field given as n-th powers of unit complex numbers. Returns the error before and after each sweep.
+pub fn relax(table: &Connection, n: u32, powers: &mut [DVec2], wishes: &Wishes, measure: Measure) -> Vec<f64> {
+    let degree = f64::from(n);
+    let carries: Vec<DVec2> = (0..table.len() as u32).flat_map(|i| table.neighbours(i)).map(|t| unit(degree * t.turn)).collect();
+    let mut errors = vec![energy(table, n, powers, wishes, measure)];
+    for _ in 0..SWEEPS {
+        let (mut at, mut gain) = (0, 0.0);
+        for i in 0..table.len() as u32 {
+            let here = powers[i as usize];
+            let wish = wishes.get(i as usize).copied().unwrap_or_default();
+            let (mut sum, mut angle, mut weight) = (wish, 0.0, wish.length());
+            if measure == Measure::Nearest && weight > 0.0 {
+                angle += weight * here.angle_to(wish);
+            }
+            for there in table.neighbours(i) {
+                let carried = powers[there.node as usize].rotate(carries[at]);
+                at += 1;
+                match measure {
+                    Measure::Smooth => sum += carried * there.weight,
+                    Measure::Nearest => {
+                        angle += there.weight * here.perp_dot(carried).atan2(here.dot(carried));
+                        weight += there.weight;
+                    }
+                }
+            }
+            powers[i as usize] = match measure {
+                Measure::Smooth => {
+                    // What a node gains is known without looking at the whole field again.
+                    gain += (sum.length() - here.dot(sum)).max(0.0);
+                    sum.try_normalize().unwrap_or(here)
+                }
+                Measure::Nearest if weight > 0.0 => here.rotate(unit(wrapped(angle / weight))).normalize_or(here),
+                Measure::Nearest => here,
+            };
+        }
+        let before = errors[errors.len() - 1];
+        let after = match measure {
+            Measure::Smooth => before - 2.0 * gain / (degree * degree),
+            Measure::Nearest => energy(table, n, powers, wishes, measure),
+        };
+        errors.push(after);
+        if before - after <= SETTLED * before {
+            break;
+        }
+    }
+    errors
+}
