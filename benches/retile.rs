@@ -41,7 +41,9 @@ fn row(name: &str, mesh: &Mesh, vertices: usize) {
 fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     println!("{} threads", rayon::current_num_threads());
-    println!("mesh                      from      to   diff |   secs | stdv. | least   5 %  mean | far/e   back kept | dEu deg fold | valence 4 5 6 7 8");
+    println!(
+        "mesh                      from      to   diff |   secs | stdv. | least   5 %  mean | far/e   back kept | dEu deg fold | valence 4 5 6 7 8"
+    );
     let Some(corpus) = std::env::var_os("LAPPED_CORPUS") else { return };
     let folder = Path::new(&corpus).join("meshes");
     let mut names: Vec<String> = std::fs::read_dir(&folder)

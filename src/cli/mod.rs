@@ -7,13 +7,16 @@ pub mod bar;
 mod brush;
 pub mod channels;
 pub mod demo;
+pub mod field;
 pub mod inspect;
 pub mod job_file;
+mod mesh_output;
 pub mod paste;
 pub mod picture;
 pub mod region;
 pub mod render;
 pub mod report;
+pub mod retile;
 pub mod shell;
 
 use clap::{Args, Parser, Subcommand};
@@ -50,6 +53,10 @@ enum Command {
     Paste(Box<paste::PasteArgs>),
     /// Draw a record, or a plain mesh
     Render(render::RenderArgs),
+    /// Give a mesh another number of vertices, evenly spread
+    Retile(retile::RetileArgs),
+    /// Make a smooth field of directions over a mesh
+    Field(field::FieldArgs),
     /// Say what is in a mesh, a record or an image, and what cleaning would do
     Inspect(inspect::InspectArgs),
     /// Print a script that completes commands and flags in a shell
@@ -101,6 +108,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Demo(args) => with_threads(&args.common, || demo::run(args)),
         Command::Paste(args) => with_threads(&args.common, || paste::run(args)),
         Command::Render(args) => with_threads(&args.common, || render::run(args)),
+        Command::Retile(args) => with_threads(&args.common, || retile::run(args)),
+        Command::Field(args) => with_threads(&args.common, || field::run(args)),
         Command::Inspect(args) => with_threads(&args.common, || inspect::run(args)),
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),

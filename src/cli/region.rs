@@ -3,8 +3,10 @@
 
 use super::Common;
 use super::channels::ChannelArgs;
-use crate::exemplar::{Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
+use crate::exemplar::symmetry::symmetry;
+use crate::exemplar::{Channel, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
+use crate::field::nway::MOST_WAYS;
 use crate::format::{read_exemplar, read_file, read_mask};
 use crate::job::{Area, ExemplarInput, PasteJob, Region, Scale, Steer, Where};
 use crate::paste::{IsotropicFit, PasteOptions, Predictor, Weights};
@@ -25,8 +27,9 @@ pub struct RegionArgs {
     /// Texture up: an axis (x, y, z, -x, ...) or X,Y,Z, projected onto the surface [default: y]
     #[arg(long, value_name = "AXIS", value_parser = super::axis, allow_hyphen_values = true, help_heading = "Size and direction")]
     pub up: Option<DVec3>,
-    /// `none` for textures that look the same every way, or a JSON file: constraints, or a field with a vector per face
-    #[arg(long, value_name = "none|FILE.json", help_heading = "Size and direction")]
+    /// `none` for textures that look the same every way; `curvature` to follow the surface; `relax:N` for the smoothest field of N
+    /// ways; `auto` to let the first exemplar decide; or a JSON file: constraints, or a field with a vector per face
+    #[arg(long, value_name = "none|curvature|relax:N|auto|FILE.json", help_heading = "Size and direction")]
     pub field: Option<String>,
     /// With --field none: constraints of which the scales count
     #[arg(long, value_name = "FILE.json", help_heading = "Size and direction")]
@@ -130,14 +133,15 @@ impl RegionArgs {
         if self.border != 0.0 && area == Area::Everything {
             bail!("--border is {}: it goes with --where", self.border);
         }
-        let (job, inputs) = (job(self)?, inputs(self, exemplars, common)?);
+        let inputs = inputs(self, exemplars, common)?;
+        let job = PasteJob { steer: steer(self, &inputs, common)?, ..job(self)? };
         Ok(Region { name: name.to_owned(), area, border: self.border, inputs, job })
     }
 
     /// The file with the field, if one is named.
     #[must_use]
     pub fn field_file(&self) -> Option<&Path> {
-        self.field.as_deref().filter(|f| *f != "none").map(Path::new).or(self.scale_field.as_deref())
+        self.field.as_deref().filter(|f| is_field_file(f)).map(Path::new).or(self.scale_field.as_deref())
     }
 
     /// Takes relative paths as lying in a folder.
@@ -156,7 +160,7 @@ impl RegionArgs {
             &mut self.scale_field,
         ];
         maps.into_iter().flatten().for_each(join);
-        self.field.iter_mut().filter(|f| *f != "none").for_each(text);
+        self.field.iter_mut().filter(|f| is_field_file(f)).for_each(text);
         let is_file = |p: &&mut String| matches!(p.parse(), Ok(PatchShape::Mask(_) | PatchShape::Outline(_)));
         self.patch.iter_mut().filter(is_file).for_each(text);
         if let Some(Where::Mask(path)) = &mut self.area {
@@ -179,7 +183,6 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
     };
     Ok(PasteJob {
         scale,
-        steer: steer(args)?,
         keep_faces: args.keep_faces,
         feather: args.feather,
         patches: PatchOptions { seed: args.seed, splotches: args.splotches, ..PatchOptions::default() },
@@ -206,7 +209,15 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
     })
 }
 
-fn steer(args: &RegionArgs) -> anyhow::Result<Steer> {
+/// True if `--field` names a file rather than a kind of field.
+fn is_field_file(text: &str) -> bool {
+    !matches!(text, "none" | "curvature" | "auto") && !text.starts_with(RELAX)
+}
+
+/// Begins the name of a relaxed field; its number of ways follows.
+const RELAX: &str = "relax:";
+
+fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow::Result<Steer> {
     let axis = args.up.unwrap_or(DVec3::Y);
     let constraints = |path: &Path| -> anyhow::Result<Constraints> {
         Constraints::from_json(&read_text(path)?).with_context(|| path.display().to_string())
@@ -218,6 +229,12 @@ fn steer(args: &RegionArgs) -> anyhow::Result<Steer> {
         None => Steer::Up(axis),
         Some("none") => Steer::Isotropic(args.scale_field.as_deref().map(constraints).transpose()?),
         Some(_) if args.scale_field.is_some() => bail!("--scale-field goes with --field none"),
+        Some("curvature") => Steer::Curvature,
+        Some("auto") => found_steer(inputs, common),
+        Some(text) if text.starts_with(RELAX) => match text[RELAX.len()..].parse() {
+            Ok(n @ 1..=MOST_WAYS) => Steer::Relaxed(n),
+            _ => bail!("--field {text}: give {RELAX} and a number of ways from 1 to {MOST_WAYS}, like relax:4"),
+        },
         Some(file) => {
             let path = Path::new(file);
             let text = read_text(path)?;
@@ -232,6 +249,21 @@ fn steer(args: &RegionArgs) -> anyhow::Result<Steer> {
             }
         }
     })
+}
+
+/// What the first exemplar's own symmetry asks for; says what it found.
+fn found_steer(inputs: &[ExemplarInput], common: &Common) -> Steer {
+    let Some(image) = inputs.first().and_then(|i| i.exemplar.channel(Channel::BaseColor)) else { return Steer::Relaxed(1) };
+    let found = symmetry(image.finest());
+    let sure = 100.0 * found.confidence;
+    let lines = found.direction.map(|d| format!(", its lines run at {d:.0} degrees")).unwrap_or_default();
+    if found.isotropic {
+        common.say(&format!("field: the exemplar looks the same every way ({sure:.0} % sure): --field none"));
+        Steer::Isotropic(None)
+    } else {
+        common.say(&format!("field: {}-way exemplar ({sure:.0} % sure){lines}: --field relax:{}", found.n, found.n));
+        Steer::Relaxed(found.n)
+    }
 }
 
 fn read_text(path: &Path) -> anyhow::Result<String> {

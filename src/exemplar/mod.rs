@@ -13,6 +13,7 @@ pub mod outline;
 pub mod patch;
 mod splotch;
 pub mod srgb;
+pub mod symmetry;
 
 pub use hull::Hull;
 pub use image::{Image, MipChain};

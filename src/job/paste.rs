@@ -21,7 +21,7 @@ use crate::mesh::curvature::curvature;
 use crate::mesh::subdivide::{Subdivision, cut_larger};
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, MeshError, clean};
 use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, paste};
-use crate::progress::Progress;
+use crate::progress::{Progress, Silent};
 use glam::DVec3;
 use serde::Serialize;
 use std::time::Instant;
@@ -48,6 +48,10 @@ pub enum Steer {
     Up(DVec3),
     /// Constraints, with the axis they are measured against.
     Constraints(Constraints, DVec3),
+    /// The smoothest field of so many ways, one of them at each face.
+    Relaxed(u32),
+    /// Along the direction in which the surface bends least.
+    Curvature,
     /// No direction; constraints give the scale.
     Isotropic(Option<Constraints>),
     /// A field made for this model's mesh, as text.
@@ -380,6 +384,20 @@ pub(super) fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -
             let field = TangentField::from_json(&cleaned.mesh, text)?;
             let field = start.as_ref().map_or(field.clone(), |s| field.on(s));
             return Ok((start, Guide::Directed(field)));
+        }
+        Steer::Relaxed(_) | Steer::Curvature => {
+            let (up, met) = match job.steer {
+                Steer::Relaxed(ways) => field::nway::relaxed(mesh, ways, scale, &Silent)?,
+                _ => field::nway::along_curvature(mesh, scale, &Silent)?,
+            };
+            if met.cut.edges > 0 {
+                let edges = met.cut.edges;
+                report.warnings.push(format!(
+                    "the direction jumps over {edges} edges of the mesh: a line between the points around which the field turns by \
+                     less than a full turn"
+                ));
+            }
+            return Ok((start, Guide::Directed(up)));
         }
     };
     if job.keep_faces {

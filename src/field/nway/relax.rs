@@ -24,7 +24,7 @@ pub enum Measure {
 pub type Wishes = [DVec2];
 
 /// Relaxation ends when a sweep gains less than this share of the error,
-const SETTLED: f64 = 3e-5;
+const SETTLED: f64 = 1e-4;
 /// or after this many sweeps.
 const SWEEPS: usize = 300;
 

@@ -40,7 +40,8 @@ pub(super) fn line_length(mesh: &Mesh, on_line: &[bool]) -> f64 {
 
 /// One half-edge for each edge on a line.
 fn edges<'a>(mesh: &'a Mesh, on_line: &'a [bool]) -> impl Iterator<Item = u32> + 'a {
-    (0..on_line.len() as u32).filter(|&h| on_line[h as usize] && (mesh.opposite[h as usize] == NONE || h < mesh.opposite[h as usize]))
+    (0..on_line.len() as u32)
+        .filter(|&h| on_line[h as usize] && (mesh.opposite[h as usize] == NONE || h < mesh.opposite[h as usize]))
 }
 
 fn length(mesh: &Mesh, h: u32) -> f64 {
@@ -220,7 +221,8 @@ mod tests {
     fn a_squares_outline_keeps_its_corners_and_is_cut_evenly() {
         let mesh = shapes::uneven_square(10);
         let found = features(&mesh, lines(&mesh, None), 0.125);
-        let corners: Vec<_> = found.fixed.iter().map(|&v| mesh.point(v)).filter(|p| [p.x, p.y].iter().all(|&c| c == 0.0 || c == 1.0)).collect();
+        let corners: Vec<_> =
+            found.fixed.iter().map(|&v| mesh.point(v)).filter(|p| [p.x, p.y].iter().all(|&c| c == 0.0 || c == 1.0)).collect();
         assert_eq!(corners.len(), 4, "corners {corners:?}");
         assert_eq!(found.fixed.len() + found.cuts.len(), 32, "8 pieces a side: {found:?}");
     }

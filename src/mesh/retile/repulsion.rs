@@ -36,8 +36,7 @@ const LEAST_HEIGHT: f64 = 0.02;
 pub(super) fn relax(t: &mut Tiling, scratch: &mut Scratch) -> f64 {
     flip_all(&mut t.surgery, &mut scratch.fan);
     let seen: &Tiling = t;
-    let steps: Vec<Option<(SurfacePoint, DVec3)>> =
-        (0..seen.role.len() as u32).into_par_iter().map(|v| step(seen, v)).collect();
+    let steps: Vec<Option<(SurfacePoint, DVec3)>> = (0..seen.role.len() as u32).into_par_iter().map(|v| step(seen, v)).collect();
     let before = t.surgery.positions.clone();
     let (mut sum, mut count) = (0.0, 0);
     let mut from = Vec::with_capacity(steps.len());
@@ -164,7 +163,8 @@ pub(super) fn relocate(t: &mut Tiling, exactly: bool, scratch: &mut Scratch) -> 
             scratch.fan.spokes.len()
         };
         let (first, second) = if valence(a) <= valence(b) { (a, b) } else { (b, a) };
-        let taken = |v: u32, t: &mut Tiling, scratch: &mut Scratch| t.role[v as usize] == Role::Free && remove(t, v, LEAST_TURN, scratch);
+        let taken =
+            |v: u32, t: &mut Tiling, scratch: &mut Scratch| t.role[v as usize] == Role::Free && remove(t, v, LEAST_TURN, scratch);
         if taken(first, t, scratch) || taken(second, t, scratch) {
             out += 1;
         }

@@ -245,7 +245,9 @@ mod tests {
                 let faces = made.faces.as_flattened();
                 assert_eq!(made.vertex_count(), vertices, "vertices");
                 assert!((0..vertices as u32).all(|v| faces.contains(&v)), "every vertex is used");
-                let once = |h: &u32| mutual.on_line[*h as usize] && (made.opposite[*h as usize] == NONE || *h < made.opposite[*h as usize]);
+                let once = |h: &u32| {
+                    mutual.on_line[*h as usize] && (made.opposite[*h as usize] == NONE || *h < made.opposite[*h as usize])
+                };
                 let length = |h: u32| made.point(made.origin(h)).distance(made.point(made.origin(next(h))));
                 let on: f64 = (0..made.opposite.len() as u32).filter(once).map(length).sum();
                 let all = super::super::features::line_length(&mesh, &lines.on_line);

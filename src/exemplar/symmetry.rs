@@ -1,0 +1,377 @@
+//! What turns leave an exemplar looking the same, and which way its lines run: read off the exemplar itself.
+//!
+//! 1. Spectrum: the power spectrum (the transform of the autocorrelation) gathered by angle says whether the exemplar has lines
+//!    and which way they run.
+//! 2. Turned against itself: for each turn in question, windows of the exemplar are turned and searched for in the whole. Where a
+//!    turned window is found nearly as well as an unturned one elsewhere, the turn leaves the exemplar looking the same. That is
+//!    just what synthesis and pasting do with an n-way field.
+//! 3. The largest n of which all turns fit is the symmetry; if turns that belong to no small n fit as well, the exemplar looks
+//!    the same every way.
+
+use super::Image;
+use glam::{DVec2, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f64::consts::{PI, TAU};
+
+/// Side of the square that the spectrum is taken of, pixels.
+const SPECTRUM: usize = 256;
+/// Periods per side below which the spectrum tells of shading rather than texture.
+const LOWEST: f64 = 4.0;
+/// Bins of angle over half a turn.
+const BINS: usize = 180;
+
+/// Longer side of the image that windows are searched in, pixels: a window spans an eighth of it.
+const SEARCHED: usize = 96;
+/// Radius of a window, pixels of that image.
+const RADIUS: i64 = 6;
+/// Windows along each side.
+const WINDOWS: usize = 8;
+/// An unturned window is looked for at least this far from where it was taken.
+const APART: i64 = 8;
+
+/// Turns looked at, degrees: those of small symmetries, and some that belong to none.
+const TURNS: [f64; 8] = [180.0, 90.0, 60.0, 120.0, 45.0, 23.0, 137.0, 251.0];
+/// Turns of [`TURNS`] that belong to no symmetry in question.
+const ODD: [usize; 4] = [4, 5, 6, 7];
+
+/// A turn fits if what its windows miss is below this, on a scale from 0 (as good as unturned) to 1 (no better than grey).
+const FITS: f64 = 0.25;
+
+/// Share of the spectrum's energy in its second angular harmonic above which the exemplar has lines.
+const LINES: f64 = 0.3;
+const NARROW: f64 = 0.1;
+
+/// The same of its fourth harmonic for squares, which must also be this many times the second's.
+const GRID: f64 = 0.35;
+const GRID_OVER_LINES: f64 = 1.7;
+
+/// How an exemplar looks when it is turned.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Symmetry {
+    /// Turning by a full turn over n leaves it looking the same; 1 if only a full turn does.
+    pub n: u32,
+    /// It looks the same every way; `n` then means nothing.
+    pub isotropic: bool,
+    /// The way its lines run, degrees counter-clockwise from right, 0 to 180; `None` if it has none.
+    pub direction: Option<f64>,
+    /// How sure the answer is, 0 to 1: how far the nearest turn is from fitting otherwise.
+    pub confidence: f64,
+    /// What windows turned by 180, 90, 60, 120 and 45 degrees, and by odd angles, miss: 0 nothing, 1 everything.
+    pub misses: [f64; 8],
+    /// Shares of the spectrum's energy in its angular harmonics 2, 4 and 6: stripes, checks, hexagons.
+    pub harmonics: [f64; 3],
+}
+
+/// Finds the symmetry of an image.
+#[must_use]
+pub fn symmetry(image: &Image) -> Symmetry {
+    let grey = grey(image);
+    let spectrum = by_angle(&flattened(&square(&grey, SPECTRUM)));
+    let harmonic = |m: f64| -> DVec2 {
+        let total: f64 = spectrum.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let at = |(i, e): (usize, &f64)| DVec2::from_angle(m * (i as f64 + 0.5) * PI / BINS as f64) * (e / total);
+        spectrum.iter().enumerate().map(at).sum()
+    };
+    let harmonics = [2.0, 4.0, 6.0].map(|m| harmonic(m).length());
+    let misses = misses(&softened(&fitted(&grey, SEARCHED)));
+    let fits = |turn: usize| misses[turn] < FITS;
+    let odd = ODD.iter().map(|&t| misses[t]).sum::<f64>() / ODD.len() as f64;
+    let [two, four, six] = harmonics;
+    // Squares: two sets of lines, whose windows fit a quarter of a turn on far better than in between.
+    let between = (misses[2] + misses[3] + misses[4]) / 3.0;
+    let grid = four > GRID && four > GRID_OVER_LINES * two && (fits(1) || misses[1] < 0.5 * between);
+    // Broad maxima of the spectrum are chance; lines are narrow ones.
+    let lines = !grid && two > LINES && four > NARROW;
+    let isotropic = !grid && !lines && odd < FITS && four < GRID && six < GRID;
+    let n = match () {
+        () if lines => {
+            if misses[0] < 2.0 * FITS {
+                2
+            } else {
+                1
+            }
+        }
+        () if grid => 4,
+        () if fits(2) && fits(3) && fits(0) && misses[1] > misses[2] => 6,
+        () if fits(1) && fits(0) => 4,
+        () if fits(0) => 2,
+        () if fits(3) => 3,
+        () => 1,
+    };
+    let margin = if isotropic { FITS - odd } else { misses.iter().map(|m| (m - FITS).abs()).fold(1.0, f64::min) };
+    // Lines run across the waves they are made of; the image's y points down.
+    let across = harmonic(2.0).to_angle() / 2.0;
+    let direction = lines.then(|| (-(across + PI / 2.0)).to_degrees().rem_euclid(180.0));
+    Symmetry { n, isotropic, direction, confidence: (margin / FITS).clamp(0.0, 1.0), misses, harmonics }
+}
+
+/// Perceived lightness, rows of pixels.
+struct Grey {
+    width: usize,
+    height: usize,
+    data: Vec<f32>,
+}
+
+impl Grey {
+    fn at(&self, x: i64, y: i64) -> f32 {
+        let x = x.clamp(0, self.width as i64 - 1) as usize;
+        self.data[y.clamp(0, self.height as i64 - 1) as usize * self.width + x]
+    }
+
+    fn bilinear(&self, x: f64, y: f64) -> f32 {
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = ((x - x0) as f32, (y - y0) as f32);
+        let (x0, y0) = (x0 as i64, y0 as i64);
+        let row = |y: i64| self.at(x0, y) * (1.0 - fx) + self.at(x0 + 1, y) * fx;
+        row(y0) * (1.0 - fy) + row(y0 + 1) * fy
+    }
+}
+
+fn grey(image: &Image) -> Grey {
+    let [width, height] = image.size().map(|s| s as usize);
+    let light = |i: usize| {
+        let c: Vec3 = image.pixel((i % width) as i64, (i / width) as i64);
+        // A square root is near enough to how light looks.
+        c.dot(Vec3::new(0.2126, 0.7152, 0.0722)).max(0.0).sqrt()
+    };
+    Grey { width, height, data: (0..width * height).map(light).collect() }
+}
+
+/// The middle square, as a square of another size; larger ones are averaged.
+fn square(grey: &Grey, side: usize) -> Grey {
+    let from = grey.width.min(grey.height);
+    let corner = [(grey.width - from) / 2, (grey.height - from) / 2];
+    resampled(grey, corner, [from, from], [side, side])
+}
+
+/// The whole image, its longer side no longer than `side`.
+fn fitted(grey: &Grey, side: usize) -> Grey {
+    let longer = grey.width.max(grey.height);
+    let to = |n: usize| if longer > side { (n * side / longer).max(1) } else { n };
+    resampled(grey, [0, 0], [grey.width, grey.height], [to(grey.width), to(grey.height)])
+}
+
+fn resampled(grey: &Grey, corner: [usize; 2], from: [usize; 2], to: [usize; 2]) -> Grey {
+    let step = [from[0] as f64 / to[0] as f64, from[1] as f64 / to[1] as f64];
+    let samples = step.map(|s| s.ceil().max(1.0) as usize);
+    let value = |i: usize| {
+        let (x, y) = ((i % to[0]) as f64, (i / to[0]) as f64);
+        let mut sum = 0.0;
+        for v in 0..samples[1] {
+            for u in 0..samples[0] {
+                let share = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
+                let px = corner[0] as f64 + (x + share(u, samples[0])) * step[0] - 0.5;
+                let py = corner[1] as f64 + (y + share(v, samples[1])) * step[1] - 0.5;
+                sum += grey.bilinear(px, py);
+            }
+        }
+        sum / (samples[0] * samples[1]) as f32
+    };
+    Grey { width: to[0], height: to[1], data: (0..to[0] * to[1]).map(value).collect() }
+}
+
+/// Blurred by a pixel, so that turned windows, whose pixels fall between those of the image, are no softer than it.
+fn softened(grey: &Grey) -> Grey {
+    let pass = |from: &Grey, across: bool| {
+        let one = |i: usize| {
+            let (x, y) = ((i % from.width) as i64, (i / from.width) as i64);
+            let at = |d: i64| if across { from.at(x + d, y) } else { from.at(x, y + d) };
+            (at(-2) + 4.0 * at(-1) + 6.0 * at(0) + 4.0 * at(1) + at(2)) / 16.0
+        };
+        Grey { width: from.width, height: from.height, data: (0..from.data.len()).map(one).collect() }
+    };
+    pass(&pass(grey, true), false)
+}
+
+/// Without shading: less its mean over a quarter of a side, and fading to nothing at the edges.
+fn flattened(grey: &Grey) -> Grey {
+    let n = grey.width;
+    let radius = (n / 8) as i64;
+    let blur = |data: &[f32], across: bool| -> Vec<f32> {
+        let at = |x: i64, y: i64| data[y.clamp(0, n as i64 - 1) as usize * n + x.clamp(0, n as i64 - 1) as usize];
+        let one = |i: usize| {
+            let (x, y) = ((i % n) as i64, (i / n) as i64);
+            (-radius..=radius).map(|d| if across { at(x + d, y) } else { at(x, y + d) }).sum::<f32>() / (2 * radius + 1) as f32
+        };
+        (0..n * n).into_par_iter().map(one).collect()
+    };
+    let mean = blur(&blur(&grey.data, true), false);
+    let fade = |k: usize| 0.5 - 0.5 * (TAU * (k as f64 + 0.5) / n as f64).cos();
+    let data = (0..n * n).map(|i| (grey.data[i] - mean[i]) * (fade(i % n) * fade(i / n)) as f32).collect();
+    Grey { width: n, height: n, data }
+}
+
+/// Energy of the spectrum by the angle of its waves, over half a turn.
+fn by_angle(grey: &Grey) -> Vec<f64> {
+    let n = grey.width;
+    let mut data: Vec<DVec2> = grey.data.iter().map(|&x| DVec2::new(f64::from(x), 0.0)).collect();
+    data.chunks_mut(n).for_each(transform);
+    let mut turned: Vec<DVec2> = (0..n * n).map(|i| data[i % n * n + i / n]).collect();
+    turned.chunks_mut(n).for_each(transform);
+    let mut out = vec![0.0; BINS];
+    let signed = |k: usize| if k < n / 2 { k as f64 } else { k as f64 - n as f64 };
+    for (i, value) in turned.iter().enumerate() {
+        let wave = DVec2::new(signed(i / n), signed(i % n));
+        if wave.length() >= LOWEST && wave.length() < n as f64 / 2.0 {
+            let angle = wave.y.atan2(wave.x).rem_euclid(PI);
+            out[((angle / PI * BINS as f64) as usize).min(BINS - 1)] += value.length_squared();
+        }
+    }
+    out
+}
+
+/// The discrete Fourier transform in place, for lengths that are powers of two (Cooley, Tukey 1965).
+fn transform(data: &mut [DVec2]) {
+    let n = data.len();
+    let bits = n.trailing_zeros();
+    for i in 0..n {
+        let j = i.reverse_bits() >> (usize::BITS - bits);
+        if i < j {
+            data.swap(i, j);
+        }
+    }
+    let mut half = 1;
+    while half < n {
+        for block in data.chunks_mut(2 * half) {
+            let (low, high) = block.split_at_mut(half);
+            for (k, (a, b)) in low.iter_mut().zip(high).enumerate() {
+                let turned = b.rotate(DVec2::from_angle(-PI * k as f64 / half as f64));
+                (*a, *b) = (*a + turned, *a - turned);
+            }
+        }
+        half *= 2;
+    }
+}
+
+/// What windows miss when they are turned by each of [`TURNS`].
+fn misses(grey: &Grey) -> [f64; 8] {
+    let (w, h) = (grey.width as i64, grey.height as i64);
+    // A turned window must lie within the image whole.
+    let margin = RADIUS + 1;
+    if w < 2 * margin + APART || h < 2 * margin + APART {
+        return [1.0; 8];
+    }
+    let disc: Vec<(i64, i64)> = (-RADIUS..=RADIUS)
+        .flat_map(|y| (-RADIUS..=RADIUS).map(move |x| (x, y)))
+        .filter(|(x, y)| x * x + y * y <= RADIUS * RADIUS)
+        .collect();
+    let place = |i: usize, n: i64| margin + (n - 1 - 2 * margin) * (2 * i as i64 + 1) / (2 * WINDOWS as i64);
+    let places: Vec<(i64, i64)> = (0..WINDOWS * WINDOWS).map(|i| (place(i % WINDOWS, w), place(i / WINDOWS, h))).collect();
+    // Per window: the best match unturned elsewhere, each turn's, and how much there is to match.
+    let window = |&(cx, cy): &(i64, i64)| -> [f64; 10] {
+        let best = |turn: f64, apart: bool| {
+            let (sine, cosine) = turn.to_radians().sin_cos();
+            // Every template lies between pixels alike, so that none is sharper than the others.
+            let template: Vec<f32> = disc
+                .iter()
+                .map(|&(x, y)| {
+                    let (x, y) = (x as f64, y as f64);
+                    grey.bilinear(cx as f64 + 0.35 + cosine * x - sine * y, cy as f64 + 0.35 + sine * x + cosine * y)
+                })
+                .collect();
+            let mut best = f32::INFINITY;
+            for y in margin..h - margin {
+                for x in margin..w - margin {
+                    if apart && (x - cx).abs() < APART && (y - cy).abs() < APART {
+                        continue;
+                    }
+                    let mut sum = 0.0;
+                    for (chunk, told) in disc.chunks(16).zip(template.chunks(16)) {
+                        for (&(dx, dy), &t) in chunk.iter().zip(told) {
+                            let d = grey.data[((y + dy) * w + x + dx) as usize] - t;
+                            sum += d * d;
+                        }
+                        if sum >= best {
+                            break;
+                        }
+                    }
+                    best = best.min(sum);
+                }
+            }
+            f64::from(best)
+        };
+        let values = disc.iter().map(|&(x, y)| f64::from(grey.at(cx + x, cy + y)));
+        let mean = values.clone().sum::<f64>() / disc.len() as f64;
+        let spread: f64 = values.map(|v| (v - mean).powi(2)).sum();
+        let mut out = [0.0; 10];
+        (out[0], out[1]) = (best(0.0, true), spread);
+        for (k, &turn) in TURNS.iter().enumerate() {
+            out[k + 2] = best(turn, true);
+        }
+        out
+    };
+    let found: Vec<[f64; 10]> = places.par_iter().map(window).collect();
+    let sum = |k: usize| found.iter().map(|f| f[k]).sum::<f64>();
+    let (unturned, spread) = (sum(0), sum(1));
+    let mut out = [0.0; 8];
+    for (k, miss) in out.iter_mut().enumerate() {
+        *miss = ((sum(k + 2) - unturned) / (spread - unturned).max(1e-9 + 0.1 * spread)).clamp(0.0, 1.0);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    fn picture(of: impl Fn(f32, f32) -> f32) -> Image {
+        Image::from_fn(160, 160, |x, y| Vec3::splat(of(x as f32, -(y as f32)).clamp(0.0, 1.0)))
+    }
+
+    /// A wave across lines that run at an angle, degrees counter-clockwise from right.
+    fn wave(x: f32, y: f32, degrees: f32, period: f32) -> f32 {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        0.5 + 0.5 * ((y * cosine - x * sine) * std::f32::consts::TAU / period).sin()
+    }
+
+    #[test]
+    fn stripes_are_two_way_and_their_direction_is_told() {
+        for degrees in [0.0, 25.0, 90.0, 141.0, 168.0] {
+            let found = symmetry(&picture(|x, y| wave(x, y, degrees, 11.0)));
+            assert_eq!((found.n, found.isotropic), (2, false), "{degrees} degrees: {found:?}");
+            let direction = found.direction.expect("stripes have one");
+            let off = (direction - f64::from(degrees) + 90.0).rem_euclid(180.0) - 90.0;
+            assert!(off.abs() < 3.0, "{direction} for {degrees} degrees");
+        }
+    }
+
+    #[test]
+    fn checks_are_four_way_and_hexagons_six_way() {
+        for degrees in [0.0, 20.0] {
+            let checks =
+                symmetry(&picture(|x, y| (wave(x, y, degrees, 13.0) - 0.5) * (wave(x, y, degrees + 90.0, 13.0) - 0.5) * 2.0 + 0.5));
+            assert_eq!((checks.n, checks.isotropic), (4, false), "checks at {degrees} degrees: {checks:?}");
+            let hexagons = symmetry(&picture(|x, y| {
+                // Crests must meet, or turning by 60 degrees swaps bright and dark.
+                let (sine, cosine) = degrees.to_radians().sin_cos();
+                let (x, y) = (x * cosine + y * sine, y * cosine - x * sine);
+                [0.0, 60.0, 120.0]
+                    .map(|turn: f32| wave(x - 3.75 * turn.to_radians().sin(), y + 3.75 * turn.to_radians().cos(), turn, 15.0))
+                    .iter()
+                    .sum::<f32>()
+                    / 3.0
+            }));
+            assert_eq!((hexagons.n, hexagons.isotropic), (6, false), "hexagons at {degrees} degrees: {hexagons:?}");
+        }
+    }
+
+    #[test]
+    fn dots_at_random_look_the_same_every_way() {
+        let mut random = Random::new(4, 0);
+        let dots: Vec<[f32; 2]> = (0..700).map(|_| [random.range(0.0, 160.0) as f32, random.range(-160.0, 0.0) as f32]).collect();
+        let found =
+            symmetry(&picture(|x, y| dots.iter().map(|d| (-((x - d[0]).powi(2) + (y - d[1]).powi(2)) / 6.0).exp()).sum::<f32>()));
+        assert!(found.isotropic && found.direction.is_none(), "{found:?}");
+    }
+
+    #[test]
+    fn tiny_and_empty_pictures_have_an_answer() {
+        for side in [1, 2, 7, 20] {
+            let found = symmetry(&Image::from_fn(side, side, |_, _| Vec3::splat(0.5)));
+            assert!(found.n >= 1 && found.confidence.is_finite(), "{side}: {found:?}");
+        }
+    }
+}
