@@ -1,10 +1,7 @@
 //! Both ways of drawing on a graphics adapter give the reference renderer's picture.
-#![cfg(feature = "gpu")]
 
-mod gpu_common;
-
+use crate::common::{compare, pasted, pasted_with, renderers};
 use glam::{DVec3, Vec3};
-use gpu_common::{compare, pasted, pasted_with, renderers};
 use lapped::exemplar::{Channel, Image};
 use lapped::mesh::Mesh;
 use lapped::paste::{Composite, LappedTexture};
@@ -40,6 +37,7 @@ fn agree(name: &str, mesh: &Mesh, lapped: &LappedTexture, options: &DrawOptions,
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn the_demos_look_the_same_in_all_modes() {
     let shows: [(&str, &[&str], f64, bool); 6] = [
         ("dragonling", &["fur"], 40.0, true),
@@ -61,6 +59,7 @@ fn the_demos_look_the_same_in_all_modes() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn every_channel_of_a_material_is_drawn_alike_and_translucent_ones_in_exact_order() {
     let mut exemplar = lapped::assets::exemplar("scales").unwrap();
     let [w, h] = exemplar.size();
@@ -80,6 +79,7 @@ fn every_channel_of_a_material_is_drawn_alike_and_translucent_ones_in_exact_orde
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn far_and_near_and_bare_meshes_agree_too() {
     let pasted = pasted("vase", &["stone"], 20.0, false);
     let options = DrawOptions { background: Background::Plain(Vec3::new(0.1, 0.2, 0.3)), ..DrawOptions::default() };
@@ -95,6 +95,7 @@ fn far_and_near_and_bare_meshes_agree_too() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn other_exemplars_stand_under_the_same_pastes_without_pasting_again() {
     let stone = pasted("knot", &["stone"], 30.0, false);
     let mut rust = stone.lapped.clone();
@@ -119,6 +120,7 @@ fn other_exemplars_stand_under_the_same_pastes_without_pasting_again() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn the_texture_stays_in_place_on_a_mesh_that_moves() {
     let pasted = pasted("dragonling", &["fur"], 40.0, true);
     let options = DrawOptions { occlusion: false, ..DrawOptions::default() };

@@ -1,10 +1,7 @@
 //! What does not fit an adapter is split, made smaller or refused with words; failures are errors, never panics.
-#![cfg(feature = "gpu")]
 
-mod gpu_common;
-
+use crate::common::{checks, compare, flat, pasted, renderer, renderers, round_patch, scattered};
 use glam::{Vec2, Vec3};
-use gpu_common::{checks, compare, flat, pasted, renderer, renderers, round_patch, scattered};
 use lapped::paste::{Composite, LappedTexture, Paste};
 use lapped::render::gpu::{Canvas, Gpu, GpuError, GpuOptions, Path, shaders};
 use lapped::render::{DrawOptions, Grid, Stage, View, Visibility};
@@ -30,6 +27,7 @@ fn every_shader_is_valid() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn missing_adapters_are_told_with_those_there_are() {
     let asked = Gpu::new(&GpuOptions { adapter: Some("voodoo".into()), limits: None });
     let Err(GpuError::NoSuchAdapter { wanted, there }) = asked.map(|_| ()) else { panic!("there is no voodoo adapter") };
@@ -39,6 +37,7 @@ fn missing_adapters_are_told_with_those_there_are() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn pictures_without_pixels_are_refused() {
     let (mesh, options) = (flat(2), DrawOptions::default());
     let stage = Stage::new(&mesh, &options);
@@ -58,6 +57,7 @@ fn pictures_without_pixels_are_refused() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn a_lost_device_is_an_error() {
     let (mesh, options) = (flat(2), DrawOptions::default());
     let stage = Stage::new(&mesh, &options);
@@ -71,6 +71,7 @@ fn a_lost_device_is_an_error() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn lists_that_do_not_fit_one_binding_are_split_and_nothing_changes() {
     let pasted = pasted("knot", &["weave"], 60.0, true);
     let options = DrawOptions::default();
@@ -92,6 +93,7 @@ fn lists_that_do_not_fit_one_binding_are_split_and_nothing_changes() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn textures_larger_than_the_adapter_takes_are_made_smaller_and_said_so() {
     let pasted = pasted("vase", &["stone"], 20.0, false);
     let options = DrawOptions::default();
@@ -118,6 +120,7 @@ fn textures_larger_than_the_adapter_takes_are_made_smaller_and_said_so() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn thousands_of_patches_and_tens_of_thousands_of_pastes_are_drawn() {
     let mesh = flat(180);
     let patches = (0..4096).map(|k| round_patch(5 + k % 60, [(k % 97) as i32, (k % 89) as i32])).collect();
@@ -138,6 +141,7 @@ fn thousands_of_patches_and_tens_of_thousands_of_pastes_are_drawn() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn lists_of_more_than_128_mebibytes_are_drawn() {
     let mesh = flat(512);
     let faces: Vec<u32> = (0..mesh.face_count() as u32).collect();
@@ -162,6 +166,7 @@ fn lists_of_more_than_128_mebibytes_are_drawn() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn bare_colour_is_the_same_everywhere() {
     let (mesh, options) = (flat(1), DrawOptions { bare: Vec3::new(0.2, 0.3, 0.4), occlusion: false, ..DrawOptions::default() });
     let stage = Stage::new(&mesh, &options);

@@ -1,7 +1,4 @@
-//! Adapters, subjects and comparisons that the tests of the GPU renderer share.
-//!
-//! These tests need a Vulkan and an OpenGL adapter, software will do, and fail without: on Debian
-//! `apt-get install mesa-vulkan-drivers libegl1 libgl1-mesa-dri`.
+//! Adapters, subjects and comparisons that the tests of the GPU renderer share. Without an adapter they fail.
 
 #![allow(dead_code, reason = "each test file uses its part")]
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]

@@ -1,0 +1,7 @@
+//! The GPU renderer on real adapters, Vulkan and OpenGL; software ones will do: on Debian
+//! `apt-get install mesa-vulkan-drivers libegl1 libgl1-mesa-dri`, then `cargo test --test gpu -- --include-ignored`.
+#![cfg(feature = "gpu")]
+
+mod agree;
+mod common;
+mod limits;
