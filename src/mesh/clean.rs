@@ -11,7 +11,7 @@
 
 use super::weld::weld_map;
 use super::{Mesh, MeshError, NONE, check_input, ends, for_each_edge, signed_volume};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use serde::Serialize;
 
 /// A triangle whose area is below this share of its longest edge squared has no usable plane: its height is then at the

@@ -4,8 +4,9 @@
 
 use glam::Vec3;
 use image::{DynamicImage, ExtendedColorType, ImageEncoder, ImageFormat};
+use lapped::exemplar::srgb;
 use lapped::exemplar::{Channel, Exemplar, Image};
-use lapped::format::{ExemplarOptions, FormatError, NormalConvention, Warning, read_exemplar, read_mask, save_image, srgb};
+use lapped::format::{ExemplarOptions, FormatError, NormalConvention, Warning, read_exemplar, read_mask, save_image};
 use std::path::Path;
 
 /// An exemplar and its warnings, without the notes.

@@ -145,7 +145,7 @@ fn the_texture_stays_in_place_on_a_mesh_that_moves() {
                 compare(&mesh, &camera, grid, &expected, &renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap());
             assert!(found.inside < INSIDE && found.outline < OUTLINE, "bent by {amount}: {found:?}");
         }
-        let other = gpu_common::flat(3);
+        let other = crate::common::flat(3);
         assert!(renderer.follow(&mut subject, &Stage::new(&other, &options)).is_err(), "another mesh is refused");
     }
 }

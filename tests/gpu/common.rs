@@ -143,5 +143,5 @@ pub(crate) fn scattered(mesh: &Mesh, patches: Vec<TexturePatch>, exemplar: Exemp
         Paste { patch: (k % patches.len()) as u16, uv: chosen.iter().map(|&f| uv(f)).collect(), faces: chosen, offset: Vec2::ZERO }
     };
     let pastes = (0..count).map(paste).collect();
-    LappedTexture { exemplars: vec![exemplar], patches, pastes }
+    LappedTexture { exemplars: vec![exemplar], patches, pastes, layers: Vec::new() }
 }

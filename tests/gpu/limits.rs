@@ -150,7 +150,7 @@ fn lists_of_more_than_128_mebibytes_are_drawn() {
         faces.iter().map(|&f| mesh.corners(f).map(|p| Vec2::new(0.5 + 0.2 * p.x as f32, 0.5 - 0.2 * p.y as f32))).collect();
     let layer = |k: u32| Paste { patch: 0, faces: faces.clone(), uv: uv.clone(), offset: Vec2::splat(k as f32) };
     let pastes: Vec<Paste> = (0..9).map(layer).collect();
-    let lapped = LappedTexture { exemplars: vec![checks(64)], patches: vec![round_patch(32, [0, 0])], pastes };
+    let lapped = LappedTexture { exemplars: vec![checks(64)], patches: vec![round_patch(32, [0, 0])], pastes, layers: Vec::new() };
     let options = DrawOptions { occlusion: false, ..DrawOptions::default() };
     let stage = Stage::new(&mesh, &options);
     let camera = "front".parse::<View>().unwrap().frame(&mesh, 1.0);
