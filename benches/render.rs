@@ -30,15 +30,15 @@ const ATLAS_FILL: f64 = 0.7;
 
 /// A plain mesh with one texture, lit as ours.
 const PLAIN: &str = "
-struct Corner { @builtin(position) position: vec4f, @location(0) at: vec3f, @location(1) normal: vec3f, @location(2) uv: vec2f }
+struct PlainCorner { @builtin(position) position: vec4f, @location(0) at: vec3f, @location(1) normal: vec3f, @location(2) uv: vec2f }
 @group(0) @binding(3) var image: texture_2d<f32>;
 @group(0) @binding(4) var smoothly: sampler;
-@vertex fn vertex(@location(0) at: vec3f, @location(1) normal: vec3f, @location(2) uv: vec2f) -> Corner {
-    let from = at - frame.eye;
-    let view = vec3f(dot(from, frame.right), dot(from, frame.up), dot(from, frame.forward));
-    return Corner(vec4f(view.xy * frame.clip.xy, frame.depth.x * view.z + frame.depth.y, view.z), at, normal, uv);
+@vertex fn vertex(@location(0) at: vec3f, @location(1) normal: vec3f, @location(2) uv: vec2f) -> PlainCorner {
+    let off = at - frame.eye;
+    let view = vec3f(dot(off, frame.right), dot(off, frame.up), dot(off, frame.forward));
+    return PlainCorner(vec4f(view.xy * frame.clip.xy, frame.depth.x * view.z + frame.depth.y, view.z), at, normal, uv);
 }
-@fragment fn fragment(in: Corner) -> @location(0) vec4f {
+@fragment fn fragment(in: PlainCorner) -> @location(0) vec4f {
     let base = textureSample(image, smoothly, in.uv).xyz;
     let n = normalize(in.normal);
     return vec4f(tone(shade(base, 0.7, 0.0, PLAIN, 1.0, n, n, normalize(frame.eye - in.at))), 1.0);

@@ -3,6 +3,7 @@
 #![cfg_attr(not(feature = "gpu"), allow(unused_variables, reason = "only adapters draw from the pastes and warn"))]
 
 use super::Common;
+use super::bar::Bar;
 use super::render::{Mode, RenderArgs};
 use crate::paste::LappedTexture;
 use crate::progress::Progress;
@@ -37,14 +38,14 @@ impl Brush {
 
     #[cfg(feature = "gpu")]
     fn graphics(mode: Mode, args: &RenderArgs) -> anyhow::Result<Self> {
-        use crate::render::gpu::{Gpu, GpuOptions, Path, Renderer, RendererOptions, adapters};
+        use crate::render::gpu::{AdapterSummary, Gpu, GpuOptions, Path, Renderer, RendererOptions, adapters};
         let open = |adapter| Renderer::new(Gpu::new(&GpuOptions { adapter, limits: None })?, RendererOptions::default());
         let path = if mode == Mode::Layered { Path::Layered } else { Path::Single };
         if mode != Mode::Auto || args.adapter.is_some() {
             return Ok(Self::Gpu(Box::new(open(args.adapter.clone())?), path));
         }
         // A software adapter has nothing over the reference renderer.
-        if adapters().first().is_none_or(|best| best.is_software()) {
+        if adapters().first().is_none_or(AdapterSummary::is_software) {
             return Ok(Self::Reference);
         }
         match open(None) {
@@ -114,7 +115,6 @@ impl Brush {
         options: &SheetOptions,
         cameras: &[Camera],
         grid: Grid,
-        progress: &dyn Progress,
         common: &Common,
     ) -> anyhow::Result<Vec<Picture>> {
         let stage = Stage::new(subject.mesh, &options.draw);
@@ -128,9 +128,10 @@ impl Brush {
             }
         };
         let mut pictures = Vec::new();
-        progress.stage("drawing", cameras.len() as u64);
+        let bar = Bar::new(common.quiet);
+        bar.stage("drawing", cameras.len() as u64);
         for camera in cameras {
-            progress.done(pictures.len() as u64);
+            bar.done(pictures.len() as u64);
             #[cfg(feature = "gpu")]
             if let Some((renderer, loaded, path)) = &loaded {
                 pictures.push(renderer.draw(loaded, &stage, camera, grid, *path)?);
@@ -138,6 +139,7 @@ impl Brush {
             }
             pictures.push(stage.draw(subject.texture, &Visibility::new(subject.mesh, camera, grid)?));
         }
+        bar.finish();
         Ok(pictures)
     }
 }

@@ -1,6 +1,5 @@
 //! `lapped render`: a picture of a record, or of a plain mesh.
 
-use super::bar::Bar;
 use super::brush::Brush;
 use super::picture::{self, Size};
 use super::{Common, report};
@@ -164,10 +163,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             let view = args.camera.unwrap_or(View { up, ..View::degrees(30.0, 18.0) });
             let grid = Grid { width: args.size.0[0], height: args.size.0[1], samples: args.samples };
             let cameras = view.turntable(&mesh, grid.aspect(), count);
-            let bar = Bar::new(args.common.quiet);
-            let turned = brush.views(&subject, pasted, &options, &cameras, grid, &bar, &args.common).with_context(name)?;
-            bar.finish();
-            turned
+            brush.views(&subject, pasted, &options, &cameras, grid, &args.common).with_context(name)?
         }
     };
     let draw_seconds = start.elapsed().as_secs_f64();

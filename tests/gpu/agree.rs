@@ -1,5 +1,11 @@
 //! Both ways of drawing on a graphics adapter give the reference renderer's picture.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "helpers of tests fail as tests do, and figures are shown when asked for"
+)]
+
 use crate::common::{compare, pasted, pasted_with, renderers};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::{Channel, Image};

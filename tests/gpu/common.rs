@@ -1,7 +1,7 @@
 //! Adapters, subjects and comparisons that the tests of the GPU renderer share. Without an adapter they fail.
 
 #![allow(dead_code, reason = "each test file uses its part")]
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use glam::{DVec3, Vec2, Vec3};
 use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};

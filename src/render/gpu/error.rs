@@ -67,6 +67,9 @@ pub enum GpuError {
         /// How many are needed.
         expected: usize,
     },
+    /// Regions mixed by weights.
+    #[error("regions that mix at soft borders are not drawn on graphics adapters yet: draw with the mode reference")]
+    SoftRegions,
     /// The picture cannot be drawn by any renderer.
     #[error(transparent)]
     Picture(#[from] RenderError),

@@ -89,7 +89,7 @@ impl Frame {
 
     pub(super) fn with_shadow(mut self, shadow: &GroundShadow) -> Self {
         self.backdrop.middle = self.units.point(shadow.middle).as_vec3();
-        self.backdrop.axes = shadow.axes.map(|a| a.as_vec3());
+        self.backdrop.axes = shadow.axes.map(DVec3::as_vec3);
         self.backdrop.half = shadow.half * self.units.scale;
         self
     }

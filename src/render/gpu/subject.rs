@@ -27,8 +27,11 @@ impl Renderer {
     /// Brings a lapped texture and the mesh it lies on to the device. Without pastes the bare mesh is drawn.
     ///
     /// # Errors
-    /// If it does not fit the device.
+    /// If it does not fit the device, or has regions that are mixed by weights.
     pub fn load(&self, stage: &Stage<'_>, lapped: &LappedTexture) -> Result<Subject, GpuError> {
+        if lapped.layers.iter().any(|layer| !layer.weights.is_empty()) {
+            return Err(GpuError::SoftRegions);
+        }
         let patches = Arc::new(self.load_patches(&lapped.exemplars, &lapped.patches)?);
         let shape = Shape::new(&self.gpu, stage.mesh)?;
         let lists = Lists::new(&self.gpu, &self.layouts.page, stage.mesh, stage.normals(), &lapped.pastes)?;
