@@ -150,6 +150,8 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         Shown::Record(bound) => (bound.mesh, Some(bound.lapped), bound.field),
         Shown::Mesh(mesh) => (mesh, None, None),
     };
+    let mixed = lapped.as_ref().is_some_and(|l| l.layers.iter().any(|layer| !layer.weights.is_empty()));
+    let brush = if mixed && args.mode == Mode::Auto { Brush::Reference } else { brush };
     let guide = field.map(Guide::Directed);
     let texture: Box<dyn SurfaceTexture + '_> = match &lapped {
         Some(lapped) => Box::new(Composite::new(&mesh, lapped)),
