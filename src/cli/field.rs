@@ -130,8 +130,8 @@ pub fn run(args: &FieldArgs) -> anyhow::Result<()> {
     let Combed { field, cut } = comb(mesh, &solver, &found, scale)?;
     if arrows {
         let directions = solver.directions(&found);
-        let shown = arrow_mesh(mesh, &directions, args.ways, scale);
-        mesh_output::write(&args.output, Kind::Glb, &model.name, &shown, None)?;
+        let (shown, along) = arrow_mesh(mesh, &field.up, &directions, args.ways, scale);
+        mesh_output::write(&args.output, Kind::Glb, &model.name, &shown, Some(along))?;
     } else {
         let text = field.to_json()?;
         write_file(&args.output, |out| out.write_all(text.as_bytes()))?;
@@ -169,24 +169,27 @@ pub fn run(args: &FieldArgs) -> anyhow::Result<()> {
 /// Arrows at most; on meshes with more faces they stand at some of them.
 const ARROWS: usize = 20_000;
 
-/// The mesh with flat arrows a little above its faces.
-fn arrow_mesh(mesh: &Mesh, directions: &[DVec3], ways: u32, scale: f64) -> Mesh {
+/// The mesh with flat arrows a little above its faces, and a direction for each face of both.
+fn arrow_mesh(mesh: &Mesh, up: &[Vec3], directions: &[DVec3], ways: u32, scale: f64) -> (Mesh, Vec<Vec3>) {
     let every = mesh.face_count().div_ceil(ARROWS);
     let spacing = (mesh.total_area() * every as f64 / mesh.face_count() as f64).sqrt().min(scale);
-    let mut out = mesh.clone();
+    let (mut out, mut all) = (mesh.clone(), up.to_vec());
     for f in (0..mesh.face_count()).step_by(every) {
         let normal = mesh.normal(f as u32);
         let from = mesh.centroid(f as u32) + normal * (0.1 * spacing);
         for way in 0..ways {
             let turn = std::f64::consts::TAU * f64::from(way) / f64::from(ways);
             let (sine, cosine) = turn.sin_cos();
-            let along = (directions[f] * cosine + normal.cross(directions[f]) * sine) * (0.45 * spacing);
+            let unit = directions[f] * cosine + normal.cross(directions[f]) * sine;
+            let along = unit * (0.45 * spacing);
             let side = normal.cross(along) * 0.12;
             let first = out.positions.len() as u32;
             out.positions.extend([from - side, from + along, from + side].map(|p: DVec3| -> Vec3 { p.as_vec3() }));
-            out.faces.push([first, first + 1, first + 2]);
+            // The front of an arrow looks outward.
+            out.faces.push([first, first + 2, first + 1]);
             out.opposite.extend([crate::mesh::NONE; 3]);
+            all.push((unit * scale).as_vec3());
         }
     }
-    out
+    (out, all)
 }

@@ -164,9 +164,9 @@ const LINES_SHARE: f64 = 0.5;
 /// Rounds of repulsion alone that end it, in which what was moved from crowded to roomy places settles; and their largest number,
 /// if old vertices are missed or the number of vertices is not yet what was asked for.
 const SETTLING: usize = 3;
-const MOST_SETTLING: usize = 9;
+const MOST_SETTLING: usize = 12;
 /// The last ones put nothing back any more.
-const MEASURING: usize = 3;
+const MEASURING: usize = 2;
 
 /// Re-tiles a mesh. Linear in old and new vertices together.
 ///
@@ -254,12 +254,14 @@ fn start<'m>(mesh: &'m Mesh, options: &RetileOptions) -> Result<Tiling<'m>, Reti
     }
     let on_lines: usize = lines.iter().sum();
     let inner: Vec<usize> = least.iter().zip(&lines).map(|(&least, &lines)| least.saturating_sub(lines)).collect();
-    let shares = sites::shares(&areas, &inner, asked.saturating_sub(on_lines));
+    let mut shares = sites::shares(&areas, &inner, asked.saturating_sub(on_lines));
+    let mut kept = features.fixed.clone();
+    sites::keep_small(mesh, &component, &mut shares, &mut kept);
     let sites = sites::sites(mesh, &component, &shares, &areas, options.seed);
     let mutual = tessellate::tessellate(mesh, &features, &sites)?;
 
     let mut role = vec![Role::Old; mesh.vertex_count()];
-    features.fixed.iter().for_each(|&v| role[v as usize] = Role::Fixed);
+    kept.iter().for_each(|&v| role[v as usize] = Role::Fixed);
     role.extend(std::iter::repeat_n(Role::Fixed, features.cuts.len()));
     role.extend(std::iter::repeat_n(Role::Free, sites.len()));
     let mut at: Vec<SurfacePoint> = first.iter().map(|&h| if h == NONE { at_origin(0) } else { at_origin(h) }).collect();

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 /// Share of an edge beyond which a vertex of the original is too far. Half an edge is what the result promises; what comes
 /// after still moves the surface a little.
-const TOO_FAR: f64 = 0.4;
+const TOO_FAR: f64 = 0.35;
 
 /// Puts back old vertices where the new mesh lies too far from them, if allowed to. Returns how many, and the largest distance of
 /// an old vertex from the mesh before.

@@ -28,6 +28,9 @@ const BEYOND: f64 = 0.8;
 /// A step is no longer than this share of an edge.
 const LONGEST_STEP: f64 = 0.4;
 
+/// A vertex put on an edge lies within this share of half of it from its middle.
+const ASTRAY: f64 = 0.8;
+
 /// A face may turn by this much (cosine) in one step, and its height must stay this share of an edge.
 const LEAST_TURN: f64 = 0.5;
 const LEAST_HEIGHT: f64 = 0.02;
@@ -177,28 +180,29 @@ pub(super) fn relocate(t: &mut Tiling, exactly: bool, scratch: &mut Scratch) -> 
         }
         let s = &t.surgery;
         if s.face_alive(h / 3) && s.origin(h) == a && s.target(h) == b && !s.feature[h as usize] {
-            split(t, h, scratch);
-            put += 1;
+            put += usize::from(split(t, h, scratch));
         }
     }
     out + put
 }
 
-/// Puts a vertex at the middle of an edge, on the original.
-fn split(t: &mut Tiling, h: u32, scratch: &mut Scratch) {
+/// Puts a vertex at the middle of an edge, on the original; not where the way there over the original leads astray, as it may over
+/// folds.
+fn split(t: &mut Tiling, h: u32, scratch: &mut Scratch) -> bool {
     let s = &mut t.surgery;
-    let (a, b) = (s.origin(h), s.target(h));
-    let (from, to) = if t.role[a as usize] == Role::Free { (a, b) } else { (b, a) };
-    let half = (s.positions[to as usize] - s.positions[from as usize]) / 2.0;
-    let at = t.at[from as usize];
     let normal = (s.area_vector(h / 3) + s.area_vector(s.opposite[h as usize] / 3)).normalize_or_zero();
-    let face = t.original.normal(at.face);
-    let flat = projected(turned(half, normal, face), face).normalize_or_zero() * half.length();
-    let at = walk(t.original, at, flat);
-    // Where the surface between folds, the walk may lead astray; the new vertex must lie between the two old ones.
-    let middle = s.positions[from as usize] + half;
-    let position = t.original.position(at);
-    let position = if position.distance(middle) < half.length() { position } else { middle };
+    let (a, b) = (s.origin(h), s.target(h));
+    let middle = |from: u32, to: u32| {
+        let half = (s.positions[to as usize] - s.positions[from as usize]) / 2.0;
+        let at = t.at[from as usize];
+        let face = t.original.normal(at.face);
+        let flat = projected(turned(half, normal, face), face).normalize_or_zero() * half.length();
+        let at = walk(t.original, at, flat);
+        let position = t.original.position(at);
+        let astray = position.distance(s.positions[from as usize] + half) > ASTRAY * half.length();
+        (!astray).then_some((at, position))
+    };
+    let Some((at, position)) = middle(a, b).or_else(|| middle(b, a)) else { return false };
     let m = s.split_edge(h, position);
     t.at.push(at);
     t.role.push(Role::Free);
@@ -208,4 +212,5 @@ fn split(t: &mut Tiling, h: u32, scratch: &mut Scratch) {
         scratch.queue.extend([next(spoke), spoke]);
     }
     flip_from(s, &mut scratch.queue, &mut scratch.fan);
+    true
 }

@@ -44,6 +44,41 @@ pub(super) fn shares(areas: &[f64], least: &[usize], count: usize) -> Vec<usize>
     shares
 }
 
+/// A component of so few vertices is all corners: it keeps vertices of its own rather than points spread over it, which might
+/// lie in one plane.
+const SMALL: usize = 24;
+
+/// Gives small components vertices of the original, far apart from each other, in place of sites: adds them to `kept` and takes them
+/// off `shares`.
+pub(super) fn keep_small(mesh: &Mesh, component: &[u32], shares: &mut [usize], kept: &mut Vec<u32>) {
+    let mut of: Vec<Vec<u32>> = vec![Vec::new(); shares.len()];
+    let mut seen = vec![false; mesh.vertex_count()];
+    kept.iter().for_each(|&v| seen[v as usize] = true);
+    for (f, corners) in mesh.faces.iter().enumerate() {
+        let c = component[f] as usize;
+        if (1..=SMALL).contains(&shares[c]) {
+            for &v in corners {
+                if !std::mem::replace(&mut seen[v as usize], true) {
+                    of[c].push(v);
+                }
+            }
+        }
+    }
+    for (c, vertices) in of.iter().enumerate().filter(|(_, v)| !v.is_empty()) {
+        let mut distance = vec![f64::INFINITY; vertices.len()];
+        let mut at = 0;
+        for _ in 0..shares[c].min(vertices.len()) {
+            let chosen = mesh.point(vertices[at]);
+            kept.push(vertices[at]);
+            shares[c] -= 1;
+            for (d, &v) in distance.iter_mut().zip(vertices) {
+                *d = d.min(mesh.point(v).distance_squared(chosen));
+            }
+            at = (0..distance.len()).fold(0, |best, i| if distance[i] > distance[best] { i } else { best });
+        }
+    }
+}
+
 /// Points in the faces of each component, `shares[c]` in component `c`, in the order of their faces.
 pub(super) fn sites(mesh: &Mesh, component: &[u32], shares: &[usize], areas: &[f64], seed: u64) -> Vec<SurfacePoint> {
     let order = along_curve((0..mesh.face_count() as u32).collect(), |f| mesh.centroid(f).as_vec3());
