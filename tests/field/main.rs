@@ -1,3 +1,4 @@
 //! Fields on real meshes.
 
 mod corpus;
+mod nway;

@@ -1,0 +1,3 @@
+//! The mesh core on hard shapes.
+
+mod retile;
