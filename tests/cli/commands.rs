@@ -101,6 +101,43 @@ fn render_draws_records_and_bare_meshes() {
     assert!(place.files("out").contains(&"plain.png".to_owned()), "a mesh without texture is drawn too");
 }
 
+#[cfg(feature = "gpu")]
+#[test]
+fn render_draws_on_graphics_adapters() {
+    let place = Place::new();
+    succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
+    let (listed, _) = succeeds(&place, &["inspect", "--gpu"]);
+    assert!(listed.contains("vulkan") && listed.contains("gl"), "adapters are listed: {listed}");
+    let draw = |mode: &str, adapter: &str| {
+        let out = format!("out/{mode}-{adapter}.png");
+        let args = ["render", "out/a.glb", "-o", &out, "--size", "90x70", "--camera", "front", "--mode", mode];
+        let chosen: &[&str] = if adapter.is_empty() { &[] } else { &["--adapter", adapter] };
+        succeeds(&place, &[args.as_slice(), chosen].concat());
+        image::open(place.path(&out)).unwrap().into_rgb8()
+    };
+    let expected = draw("reference", "");
+    for (mode, adapter) in [("single", "vulkan"), ("layered", "vulkan"), ("single", "gl"), ("layered", "gl"), ("auto", "gl")] {
+        let drawn = draw(mode, adapter);
+        let sum: u64 = expected.as_raw().iter().zip(drawn.as_raw()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        assert!(sum < expected.as_raw().len() as u64 / 2, "{mode} on {adapter}: {sum} steps in all");
+    }
+}
+
+#[test]
+fn a_turntable_is_an_animation_or_a_folder() {
+    let place = Place::new();
+    let turn = |out: &str| {
+        succeeds(&place, &["render", "mesh.obj", "-o", out, "--turntable", "3", "--size", "40x30", "--mode", "reference"]);
+    };
+    turn("out/turn.gif");
+    turn("out/turn.apng");
+    turn("out/turn");
+    let start = |file: &str| std::fs::read(place.path(file)).unwrap();
+    assert!(start("out/turn.gif").starts_with(b"GIF89a"), "a GIF");
+    assert!(start("out/turn.apng").windows(4).any(|w| w == b"acTL"), "an animated PNG");
+    assert_eq!(place.files("out/turn").len(), 3, "three files");
+}
+
 #[test]
 fn inspect_tells_meshes_records_and_images_apart() {
     let place = Place::new();
