@@ -103,6 +103,7 @@ fn render_draws_records_and_bare_meshes() {
 
 #[cfg(feature = "gpu")]
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test cli graphics_adapters -- --include-ignored"]
 fn render_draws_on_graphics_adapters() {
     let place = Place::new();
     succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
