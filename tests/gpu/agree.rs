@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use lapped::exemplar::{Channel, Image};
 use lapped::mesh::Mesh;
 use lapped::paste::{Composite, LappedTexture};
-use lapped::render::gpu::Path;
+use lapped::render::gpu::{Filter, Forward, Path, Renderer, RendererOptions};
 use lapped::render::{Background, DrawOptions, Grid, Picture, Stage, View, Visibility};
 use std::sync::Arc;
 
@@ -153,5 +153,90 @@ fn the_texture_stays_in_place_on_a_mesh_that_moves() {
         }
         let other = crate::common::flat(3);
         assert!(renderer.follow(&mut subject, &Stage::new(&other, &options)).is_err(), "another mesh is refused");
+    }
+}
+
+#[test]
+fn a_subject_drawn_into_somebody_elses_pass_looks_like_its_picture() {
+    let pasted = pasted("vase", &["bricks"], 30.0, true);
+    let colour = Vec3::new(0.1, 0.2, 0.3);
+    let options = DrawOptions { occlusion: false, background: Background::Plain(colour), ..DrawOptions::default() };
+    let stage = Stage::new(&pasted.mesh, &options);
+    let grid = Grid { width: 128, height: 128, samples: 1 };
+    let camera = View::default().frame(&pasted.mesh, 1.0);
+    for renderer in renderers() {
+        let device = &renderer.gpu().device;
+        let subject = renderer.load(&stage, &pasted.lapped).unwrap();
+        let expected = renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap();
+        // Light is encoded by the format, or by the shader where the format keeps what it is given.
+        for color in [wgpu::TextureFormat::Rgba8UnormSrgb, wgpu::TextureFormat::Rgba8Unorm] {
+            let target = |format, usage| {
+                device.create_texture(&wgpu::TextureDescriptor {
+                    label: None,
+                    size: wgpu::Extent3d { width: 128, height: 128, depth_or_array_layers: 1 },
+                    mip_level_count: 1,
+                    sample_count: 1,
+                    dimension: wgpu::TextureDimension::D2,
+                    format,
+                    usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                    view_formats: &[],
+                })
+            };
+            let frame = target(color, wgpu::TextureUsages::COPY_SRC);
+            let depth = target(wgpu::TextureFormat::Depth32Float, wgpu::TextureUsages::empty());
+            let forward = Forward::new(renderer, color, wgpu::TextureFormat::Depth32Float, 1).unwrap();
+            let seen = renderer.see(&subject, &camera, [128, 128], &options, Some([0.01, 1000.0]));
+            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let shown = if color.is_srgb() { colour } else { Vec3::from(colour.to_array().map(lapped::exemplar::srgb::encode)) };
+            let [r, g, b] = shown.to_array().map(f64::from);
+            {
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                        view: &frame.create_view(&wgpu::TextureViewDescriptor::default()),
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops: wgpu::Operations {
+                            load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }),
+                            store: wgpu::StoreOp::Store,
+                        },
+                    })],
+                    depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                        view: &depth.create_view(&wgpu::TextureViewDescriptor::default()),
+                        depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(1.0), store: wgpu::StoreOp::Discard }),
+                        stencil_ops: None,
+                    }),
+                    ..Default::default()
+                });
+                forward.draw(&mut pass, &subject, &seen);
+            }
+            renderer.gpu().queue.submit([encoder.finish()]);
+            let rgba = lapped::render::gpu::read_pixels(renderer.gpu(), &frame).unwrap();
+            let drawn = Picture { width: 128, height: 128, rgba };
+            let found = compare(&pasted.mesh, &camera, grid, &expected, &drawn);
+            assert!(found.inside < 0.5 && found.outline < 1.0 && found.outside < 0.5, "{color:?}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn gradients_and_relief_change_only_what_they_should() {
+    let pasted = pasted("knot", &["scales"], 30.0, true);
+    let options = DrawOptions { occlusion: false, ..DrawOptions::default() };
+    let stage = Stage::new(&pasted.mesh, &options);
+    let grid = Grid { width: 150, height: 150, samples: 1 };
+    let camera = View::default().frame(&pasted.mesh, 1.0);
+    for (name, plain) in ["vulkan", "gl"].into_iter().zip(renderers()) {
+        let draw = |renderer: &Renderer| {
+            let subject = renderer.load(&stage, &pasted.lapped).unwrap();
+            renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap()
+        };
+        let with = |options| Renderer::new(plain.gpu().clone(), options).unwrap();
+        let expected = draw(plain);
+        let sharper = draw(&with(RendererOptions { filter: Filter::Anisotropic, ..RendererOptions::default() }));
+        let deeper = draw(&with(RendererOptions { parallax: 0.05, ..RendererOptions::default() }));
+        let [sharper, deeper] = [sharper, deeper].map(|drawn| compare(&pasted.mesh, &camera, grid, &expected, &drawn));
+        println!("{name}: anisotropic {sharper:?}, parallax {deeper:?}");
+        assert!(sharper.inside > 0.1 && sharper.inside < 12.0 && sharper.outside < 0.1, "anisotropic on {name}: {sharper:?}");
+        assert!(deeper.inside > 0.5 && deeper.inside < 30.0 && deeper.outside < 0.1, "parallax on {name}: {deeper:?}");
     }
 }

@@ -49,13 +49,15 @@ impl PatchTextures {
         let (masks, patch_table) = upload_masks(gpu, patches, longest, &mut warnings)?;
         let patch_table = words(gpu, "patches", bytemuck::cast_slice(&patch_table));
         let exemplar_table = words(gpu, "exemplars", bytemuck::cast_slice(&exemplar_table));
+        // Software adapters do not follow the gradients they are given, and look as far as they may: slow, and blurred.
+        let software = gpu.device.adapter_info().device_type == wgpu::DeviceType::Cpu;
+        let anisotropy = if filter == Filter::Anisotropic && !software { ANISOTROPY } else { 1 };
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("filtered"),
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            // Only with gradients: software adapters take them from elsewhere, and never end, if a level is given.
-            anisotropy_clamp: if filter == Filter::Anisotropic { ANISOTROPY } else { 1 },
+            anisotropy_clamp: anisotropy,
             ..Default::default()
         });
         let views: Vec<wgpu::TextureView> = std::iter::once(&masks).chain(&arrays).map(Layers::view).collect();

@@ -28,6 +28,7 @@ pub enum Filter {
     #[default]
     Area,
     /// Along the sample's own shape on the surface, by the hardware: sharper at grazing angles with one sample a pixel.
+    /// Software adapters filter over a square of the sample's longer side instead.
     Anisotropic,
 }
 
