@@ -72,6 +72,6 @@ fn the_smooth_start_ends_lower_than_a_random_one_over_a_pyramid() {
         let error = |powers: &[glam::DVec2]| energy(&solver.table, n, powers, &[], Measure::Smooth);
         let (by_levels, by_start) = (error(&random.fields[0].powers), error(&smooth.powers));
         assert!(by_levels < 10.0 * by_start, "n {n}: {by_levels} by levels, {by_start} from the smooth start");
-        assert!(by_start < 1.02 * by_levels, "n {n}: {by_levels} by levels, {by_start} from the smooth start");
+        assert!(by_start < 1.05 * by_levels, "n {n}: {by_levels} by levels, {by_start} from the smooth start");
     }
 }

@@ -25,7 +25,7 @@ fn to(mesh: &Mesh, vertices: usize) -> Result<Retiled, RetileError> {
 
 /// What holds for every re-tiled mesh, however hard the original was.
 fn check(name: &str, mesh: &Mesh, made: &Retiled) {
-    made.mesh.check().unwrap_or_else(|problem| panic!("{name}: {problem}"));
+    assert_eq!(made.mesh.check(), Ok(()), "{name}");
     assert_eq!(made.mesh.euler_characteristic(), mesh.euler_characteristic(), "{name}: Euler characteristic");
     assert_eq!(made.mesh.components().1, mesh.components().1, "{name}: components");
     assert_eq!(made.mesh.boundary_loop_count(), mesh.boundary_loop_count(), "{name}: boundary loops");
@@ -57,7 +57,9 @@ fn own_meshes_keep_their_shape_at_a_quarter_the_same_and_four_times() {
         let mesh = own(name);
         for times in [0.25, 1.0, 4.0] {
             let asked = (mesh.vertex_count() as f64 * times) as usize;
-            let made = to(&mesh, asked).expect("enough vertices");
+            // Of the four only the gear has sharp edges; the others are smooth everywhere.
+            let options = RetileOptions { vertices: asked, crease: Some(0.6), ..RetileOptions::default() };
+            let made = retile(&mesh, &options, &Silent).expect("enough vertices");
             let name = format!("{name} x {times}");
             check(&name, &mesh, &made);
             assert!(made.mesh.vertex_count().abs_diff(asked) * 100 <= asked, "{name}: {} for {asked}", made.mesh.vertex_count());
@@ -90,23 +92,11 @@ fn corpus_meshes_keep_their_topology_and_their_place() {
         for times in [0.25, 1.0, 4.0] {
             let asked = (mesh.vertex_count() as f64 * times) as usize;
             let label = format!("{name} x {times}");
-            let made = to(&mesh, asked).unwrap_or_else(|e| panic!("{label}: {e}"));
-            let (e, s) = (made.statistics.evenness, made.statistics);
-            println!(
-                "{label:28} {:>7} {:>+5} | cv {:.3} | angle {:>5.1} {:>5.1} | h {:.3} far {:.3} back {} kept {} folds {} deg {} | {:?}",
-                mesh.vertex_count(),
-                s.vertices as i64 - asked as i64,
-                e.edge_variation,
-                e.least_angle,
-                e.low_angle,
-                hausdorff(&mesh, &made.mesh) / e.mean_edge,
-                s.farthest / e.mean_edge,
-                s.put_back,
-                s.kept_old,
-                e.folded_edges,
-                e.degenerate_faces,
-                e.valence
-            );
+            let made = to(&mesh, asked).expect(&label);
+            let found = made.mesh.vertex_count();
+            assert!(found.abs_diff(asked) * 100 <= asked, "{label}: {found} vertices for {asked}");
+            // Needles and crossing sheets are worse; the bound is what tells a bad step from a hard mesh.
+            assert!(made.statistics.evenness.edge_variation < 0.5, "{label}: {:?}", made.statistics);
             check(&label, &mesh, &made);
         }
     }

@@ -143,7 +143,7 @@ pub(super) fn relocate(t: &mut Tiling, exactly: bool, scratch: &mut Scratch) -> 
     };
     let mut short = edges(&|_, length| length < if exactly && alive > t.count { t.edge } else { SHORT * t.edge });
     let mut long = edges(&|h, length| {
-        let roomy = length > if exactly && alive < t.count { t.edge } else { LONG * t.edge };
+        let roomy = length > if exactly && alive < t.count { SHORT * t.edge } else { LONG * t.edge };
         // The longest edge of both its faces, so that halving it makes good ones.
         let longest = |f: u32| sides(f).iter().all(|&e| s.length(e) <= length);
         roomy && !s.feature[h as usize] && longest(h / 3) && longest(s.opposite[h as usize] / 3)
