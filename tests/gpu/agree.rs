@@ -157,6 +157,7 @@ fn the_texture_stays_in_place_on_a_mesh_that_moves() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn a_subject_drawn_into_somebody_elses_pass_looks_like_its_picture() {
     let pasted = pasted("vase", &["bricks"], 30.0, true);
     let colour = Vec3::new(0.1, 0.2, 0.3);
@@ -219,6 +220,7 @@ fn a_subject_drawn_into_somebody_elses_pass_looks_like_its_picture() {
 }
 
 #[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn gradients_and_relief_change_only_what_they_should() {
     let pasted = pasted("knot", &["scales"], 30.0, true);
     let options = DrawOptions { occlusion: false, ..DrawOptions::default() };
