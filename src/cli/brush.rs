@@ -38,14 +38,14 @@ impl Brush {
 
     #[cfg(feature = "gpu")]
     fn graphics(mode: Mode, args: &RenderArgs) -> anyhow::Result<Self> {
-        use crate::render::gpu::{AdapterSummary, Gpu, GpuOptions, Path, Renderer, RendererOptions, adapters};
+        use crate::render::gpu::{Gpu, GpuOptions, Path, Renderer, RendererOptions, has_hardware};
         let open = |adapter| Renderer::new(Gpu::new(&GpuOptions { adapter, limits: None })?, RendererOptions::default());
         let path = if mode == Mode::Layered { Path::Layered } else { Path::Single };
         if mode != Mode::Auto || args.adapter.is_some() {
             return Ok(Self::Gpu(Box::new(open(args.adapter.clone())?), path));
         }
         // A software adapter has nothing over the reference renderer.
-        if adapters().first().is_none_or(AdapterSummary::is_software) {
+        if !has_hardware() {
             return Ok(Self::Reference);
         }
         match open(None) {

@@ -77,9 +77,10 @@ fn kind_name(kind: DeviceType) -> &'static str {
 }
 
 /// Adapters that can run our shaders, best first.
-fn candidates() -> Vec<wgpu::Adapter> {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let mut found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+fn candidates(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
+    let without_display = wgpu::InstanceDescriptor::new_without_display_handle();
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..without_display });
+    let mut found = pollster::block_on(instance.enumerate_adapters(backends));
     let needed = wgpu::DownlevelFlags::VERTEX_STORAGE | wgpu::DownlevelFlags::FRAGMENT_STORAGE;
     found.retain(|adapter| adapter.get_downlevel_capabilities().flags.contains(needed));
     found.sort_by_key(|adapter| {
@@ -99,7 +100,20 @@ fn candidates() -> Vec<wgpu::Adapter> {
 /// The adapters of this machine, best first.
 #[must_use]
 pub fn adapters() -> Vec<AdapterSummary> {
-    candidates().iter().map(AdapterSummary::of).collect()
+    candidates(wgpu::Backends::all()).iter().map(AdapterSummary::of).collect()
+}
+
+/// Where the kernel of Linux shows graphics hardware: by its own drivers, NVIDIA's, Windows' beneath it, and those of phones.
+const DEVICE_NODES: [&str; 5] = ["/dev/dri", "/dev/nvidia0", "/dev/dxg", "/dev/kgsl-3d0", "/dev/mali0"];
+
+/// True if there is graphics hardware. Where the kernel shows none, no driver is asked: on machines without a display they
+/// write complaints to stderr by themselves.
+#[must_use]
+pub fn has_hardware() -> bool {
+    if cfg!(target_os = "linux") && !DEVICE_NODES.iter().any(|node| std::path::Path::new(node).exists()) {
+        return false;
+    }
+    candidates(wgpu::Backends::PRIMARY).first().is_some_and(|best| !AdapterSummary::of(best).is_software())
 }
 
 /// Which device to open.
@@ -137,7 +151,7 @@ impl Gpu {
     /// # Errors
     /// If there is no such adapter, or it gives no device.
     pub fn new(options: &GpuOptions) -> Result<Self, GpuError> {
-        let found = candidates();
+        let found = candidates(wgpu::Backends::all());
         let summaries: Vec<AdapterSummary> = found.iter().map(AdapterSummary::of).collect();
         if found.is_empty() {
             return Err(GpuError::NoAdapter);

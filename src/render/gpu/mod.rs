@@ -24,7 +24,7 @@ mod target;
 mod texture;
 
 pub use canvas::Canvas;
-pub use context::{AdapterSummary, Gpu, GpuOptions, adapters};
+pub use context::{AdapterSummary, Gpu, GpuOptions, adapters, has_hardware};
 pub use error::GpuError;
 pub use forward::{Forward, Seen};
 pub use patches::PatchTextures;
