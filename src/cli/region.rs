@@ -173,11 +173,11 @@ impl RegionArgs {
 fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
     let scale = match args.scale {
         Some(length) if !(length > 0.0 && length.is_finite()) => {
-            bail!("--scale is {length:e}: give the world length of one exemplar width, a number above zero")
+            bail!("--scale is {length:?}: give the world length of one exemplar width, a number above zero")
         }
         Some(length) => Scale::World(length),
         None if !(args.ratio > 0.0 && args.ratio.is_finite()) => {
-            bail!("--ratio is {:e}: give a number above zero (40 is the default)", args.ratio)
+            bail!("--ratio is {:?}: give a number above zero (40 is the default)", args.ratio)
         }
         None => Scale::Ratio(args.ratio),
     };
