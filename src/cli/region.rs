@@ -34,7 +34,8 @@ pub struct RegionArgs {
     /// With --field none: constraints of which the scales count
     #[arg(long, value_name = "FILE.json", help_heading = "Size and direction")]
     pub scale_field: Option<PathBuf>,
-    /// Leave large faces as they are: by default those larger than a quarter of an exemplar, and around singularities of the field, are cut
+    /// Leave large faces as they are: by default those larger than a quarter of an exemplar, and those around singularities of the
+    /// field, are cut
     #[arg(long, help_heading = "Size and direction")]
     pub keep_faces: bool,
 

@@ -382,7 +382,10 @@ pub(super) fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -
         }
         Steer::Field(text) => {
             let field = TangentField::from_json(&cleaned.mesh, text)?;
-            let field = start.as_ref().map_or(field.clone(), |s| field.on(s));
+            let field = match &start {
+                Some(start) => field.on(start),
+                None => field,
+            };
             return Ok((start, Guide::Directed(field)));
         }
         Steer::Relaxed(_) | Steer::Curvature => {

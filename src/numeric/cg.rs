@@ -106,20 +106,19 @@ pub fn solve(
     let mut value = if let Stop::Gain { start, .. } = options.stop { start } else { 0.0 };
     let mut stats = CgStats::default();
     loop {
-        stats.residual = relative(&r);
         let left = if coupled { rz[0] } else { rz[0] + rz[1] };
         let done = match options.stop {
-            Stop::Residual(tolerance) => stats.residual <= tolerance,
+            Stop::Residual(tolerance) => relative(&r) <= tolerance,
             Stop::Gain { share, floor, .. } => left <= (share * value).max(floor),
         };
         if done || stats.iterations >= options.max_iterations {
-            return stats;
+            break;
         }
         matrix(&direction, &mut product);
         let curvature = dot(&direction, &product, coupled);
         let step = [0, 1].map(|i| if curvature[i] > 0.0 { rz[i] / curvature[i] } else { 0.0 });
         if step == [0.0; 2] {
-            return stats;
+            break;
         }
         value -= if coupled { step[0] * rz[0] } else { step[0] * rz[0] + step[1] * rz[1] };
         for i in 0..n {
@@ -137,4 +136,6 @@ pub fn solve(
         rz = new;
         stats.iterations += 1;
     }
+    stats.residual = relative(&r);
+    stats
 }

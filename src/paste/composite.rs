@@ -1,8 +1,8 @@
 //! The pastes composited: what a lapped texture looks like at a surface point (LT 4).
 //!
 //! The pastes on the point's face are walked from the top down, each weighted by what the ones above let through, until
-//! nothing more shows. Pastes of one layer are taken together and let through what the layer's weight leaves. All channels travel together; normals are turned from each paste's own frame into the mesh's
-//! space.
+//! nothing more shows. Pastes of one layer are taken together and let through what the layer's weight leaves. All channels
+//! travel together; normals are turned from each paste's own frame into the mesh's space.
 
 use super::lapped::{FaceLists, LappedTexture, Layer, Paste};
 use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
