@@ -6,7 +6,8 @@
 #![expect(clippy::print_stdout, reason = "the table is what this program is for")]
 
 use lapped::format::read_model;
-use lapped::mesh::retile::{RetileOptions, retile};
+use lapped::mesh::distance::farthest;
+use lapped::mesh::retile::{RetileOptions, evenness, retile};
 use lapped::mesh::{CleanOptions, Mesh, clean};
 use lapped::progress::Silent;
 use std::path::Path;
@@ -21,19 +22,23 @@ fn row(name: &str, mesh: &Mesh, vertices: usize) {
     let seconds = begin.elapsed().as_secs_f64();
     let (s, e) = (done.statistics, done.statistics.evenness);
     let euler = done.mesh.euler_characteristic() - mesh.euler_characteristic();
+    let spacing = 0.25 * e.mean_edge;
+    let far = [farthest(mesh, &done.mesh, spacing), farthest(&done.mesh, mesh, spacing)].map(|d| d / e.mean_edge);
     println!(
-        "{name:20} {:>8} {vertices:>8} {:>+6} | {seconds:>6.2} | {:>5.3} | {:>5.1} {:>5.1} {:>5.1} | {:>6.3} {:>5} {:>4} | {euler:>2} {:>3} {:>3} | {:?}",
+        "{name:20} {:>8} {vertices:>8} {:>+6} | {seconds:>6.2} | {:>5.3} | {:>5.1} {:>5.1} {:>5.1} | {:>5.2} {:>5.2} {:>5} {:>4} | {euler:>2} {:>3} {:>3} of {:>3} | {:?}",
         mesh.vertex_count(),
         s.vertices as i64 - vertices as i64,
         e.edge_variation,
         e.least_angle,
         e.low_angle,
         e.mean_least_angle,
-        s.farthest / e.mean_edge,
+        far[0],
+        far[1],
         s.put_back,
         s.kept_old,
         e.degenerate_faces,
         e.folded_edges,
+        evenness(mesh).folded_edges,
         e.valence,
     );
 }
@@ -42,7 +47,7 @@ fn main() {
     let wanted: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     println!("{} threads", rayon::current_num_threads());
     println!(
-        "mesh                      from      to   diff |   secs | stdv. | least   5 %  mean | far/e   back kept | dEu deg fold | valence 4 5 6 7 8"
+        "mesh                      from      to   diff |   secs | stdv. | least   5 %  mean | out/e back/e  back kept | dEu deg fold | valence 4 5 6 7 8"
     );
     let Some(corpus) = std::env::var_os("LAPPED_CORPUS") else { return };
     let folder = Path::new(&corpus).join("meshes");

@@ -2,6 +2,7 @@
 
 use super::{Common, report};
 use crate::exemplar::Channel;
+use crate::exemplar::symmetry::{Symmetry, symmetry};
 use crate::field::{DEFAULT_RATIO, default_scale};
 use crate::format::{
     ExemplarOptions, FaceGroup, Model, Record, check_output, holds_record, read_exemplar, read_file, read_model_bytes,
@@ -89,6 +90,9 @@ struct ImageReport {
     width: u32,
     height: u32,
     channels: Vec<&'static str>,
+    /// How its colour image looks when turned; not looked at in records.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    symmetry: Option<Symmetry>,
     warnings: Vec<String>,
 }
 
@@ -113,7 +117,8 @@ pub fn run(args: &InspectArgs) -> anyhow::Result<()> {
     let is_image = image::ImageFormat::from_path(path).is_ok() || path.is_dir();
     if is_image {
         let (exemplar, warnings) = read_exemplar(path, &ExemplarOptions::default())?;
-        let found = image_report(&exemplar, warnings.iter().map(ToString::to_string).collect());
+        let mut found = image_report(&exemplar, warnings.iter().map(ToString::to_string).collect());
+        found.symmetry = exemplar.channel(Channel::BaseColor).map(|image| symmetry(image.finest()));
         return show(args, &found, image_text(&found));
     }
     let file = read_file(path, "the file")?;
@@ -159,7 +164,7 @@ fn show(args: &InspectArgs, found: &impl Serialize, text: String) -> anyhow::Res
 fn image_report(exemplar: &crate::exemplar::Exemplar, warnings: Vec<String>) -> ImageReport {
     let [width, height] = exemplar.size();
     let channels = exemplar.channels().iter().map(Channel::name).collect();
-    ImageReport { kind: "exemplar", name: exemplar.name.clone(), width, height, channels, warnings }
+    ImageReport { kind: "exemplar", name: exemplar.name.clone(), width, height, channels, symmetry: None, warnings }
 }
 
 fn lapped_report(record: &Record) -> LappedReport {
@@ -206,6 +211,7 @@ fn mesh_report(args: &InspectArgs, path: &Path, model: &Model, lapped: Option<La
 
 fn image_text(found: &ImageReport) -> String {
     let mut text = format!("{}: {}x{} pixels, {}\n", found.name, found.width, found.height, found.channels.join(", "));
+    found.symmetry.iter().for_each(|s| text += &format!("  turned        {s}\n"));
     found.warnings.iter().for_each(|w| text += &format!("  note: {w}\n"));
     text
 }

@@ -256,15 +256,13 @@ fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow
 fn found_steer(inputs: &[ExemplarInput], common: &Common) -> Steer {
     let Some(image) = inputs.first().and_then(|i| i.exemplar.channel(Channel::BaseColor)) else { return Steer::Relaxed(1) };
     let found = symmetry(image.finest());
-    let sure = 100.0 * found.confidence;
-    let lines = found.direction.map(|d| format!(", its lines run at {d:.0} degrees")).unwrap_or_default();
-    if found.isotropic {
-        common.say(&format!("field: the exemplar looks the same every way ({sure:.0} % sure): --field none"));
-        Steer::Isotropic(None)
+    let (steer, flag) = if found.isotropic {
+        (Steer::Isotropic(None), "none".to_owned())
     } else {
-        common.say(&format!("field: {}-way exemplar ({sure:.0} % sure){lines}: --field relax:{}", found.n, found.n));
-        Steer::Relaxed(found.n)
-    }
+        (Steer::Relaxed(found.n), format!("relax:{}", found.n))
+    };
+    common.say(&format!("field: turned, {found}: --field {flag}"));
+    steer
 }
 
 fn read_text(path: &Path) -> anyhow::Result<String> {

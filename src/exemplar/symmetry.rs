@@ -5,7 +5,9 @@
 //! 2. Turned against itself: for each turn in question, windows of the exemplar are turned and searched for in the whole. Where a
 //!    turned window is found nearly as well as an unturned one elsewhere, the turn leaves the exemplar looking the same. That is
 //!    just what synthesis and pasting do with an n-way field.
-//! 3. The largest n of which all turns fit is the symmetry; if turns that belong to no small n fit as well, the exemplar looks
+//! 3. Slopes: brightness that rises gently and falls sharply towards one side, at several sizes alike, gives an exemplar an up and a
+//!    down, as scales and roof tiles have (the third moment of its derivative, which half a turn negates).
+//! 4. The largest n of which all turns fit is the symmetry; if turns that belong to no small n fit as well, the exemplar looks
 //!    the same every way.
 
 use super::Image;
@@ -46,6 +48,30 @@ const NARROW: f64 = 0.1;
 const GRID: f64 = 0.35;
 const GRID_OVER_LINES: f64 = 1.7;
 
+/// Above this fourth harmonic an exemplar is built of something even if windows are found at any angle, as among scales; and the second's
+/// share of it from which that is layers rather than cells.
+const BUILT: f64 = 0.22;
+const LAYERS: f64 = 0.8;
+
+/// An exemplar with no more than this in any harmonic has no direction at all; turned windows may then miss this much, for want of
+/// others to be found among.
+const NO_HARMONIC: f64 = 0.2;
+const FITS_LOOSELY: f64 = 0.34;
+
+/// Sides of the squares at which slopes are looked at, pixels; the skewness that all must show, and how far (cosine) their directions
+/// may differ.
+const SLOPE_SIDES: [usize; 3] = [64, 128, 256];
+const SKEWED: f64 = 0.5;
+const SAME_WAY: f64 = 0.86;
+/// A slope within 30 degrees of the lines (the sine) runs along them.
+const ALONG: f64 = 0.5;
+/// Directions that skewness is looked for in.
+const SLOPES: usize = 36;
+
+/// Lines are looked for within this many degrees of where the second harmonic puts them, in so many rounds.
+const NARROWED: f64 = 25.0;
+const NARROWINGS: usize = 12;
+
 /// How an exemplar looks when it is turned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -62,6 +88,18 @@ pub struct Symmetry {
     pub misses: [f64; 8],
     /// Shares of the spectrum's energy in its angular harmonics 2, 4 and 6: stripes, checks, hexagons.
     pub harmonics: [f64; 3],
+}
+
+impl std::fmt::Display for Symmetry {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.isotropic, self.n) {
+            (true, _) => write!(out, "it looks the same every way")?,
+            (false, 1) => write!(out, "it has one way up")?,
+            (false, n) => write!(out, "it looks the same {n} ways")?,
+        }
+        write!(out, " ({:.0} % sure)", 100.0 * self.confidence)?;
+        self.direction.map_or(Ok(()), |d| write!(out, ", its lines run at {d:.0} degrees"))
+    }
 }
 
 /// Finds the symmetry of an image.
@@ -84,8 +122,19 @@ pub fn symmetry(image: &Image) -> Symmetry {
     let grid = four > GRID && four > GRID_OVER_LINES * two && (fits(1) || misses[1] < 0.5 * between);
     // Broad maxima of the spectrum are chance; lines are narrow ones.
     let lines = !grid && two > LINES && four > NARROW;
-    let isotropic = !grid && !lines && odd < FITS && four < GRID && six < GRID;
+    let built = four > BUILT || six > GRID;
+    let shapeless = harmonics.iter().all(|&h| h < NO_HARMONIC);
+    let isotropic = !grid && !lines && !built && odd < if shapeless { FITS_LOOSELY } else { FITS };
+    // Lines run across the waves they are made of.
+    let across = narrowed(&spectrum, harmonic(2.0).to_angle() / 2.0);
+    // That one flank of a line is the steeper is common and hurts nobody; along lines a slope means an up.
+    let has_up = !grid
+        && match slope(&grey) {
+            Some(way) if lines => way.dot(DVec2::from_angle(across)).abs() < ALONG,
+            way => way.is_some() && built,
+        };
     let n = match () {
+        () if has_up => 1,
         () if lines => {
             if misses[0] < 2.0 * FITS {
                 2
@@ -94,6 +143,7 @@ pub fn symmetry(image: &Image) -> Symmetry {
             }
         }
         () if grid => 4,
+        () if built && two > LAYERS * four => 2,
         () if fits(2) && fits(3) && fits(0) && misses[1] > misses[2] => 6,
         () if fits(1) && fits(0) => 4,
         () if fits(0) => 2,
@@ -101,10 +151,45 @@ pub fn symmetry(image: &Image) -> Symmetry {
         () => 1,
     };
     let margin = if isotropic { FITS - odd } else { misses.iter().map(|m| (m - FITS).abs()).fold(1.0, f64::min) };
-    // Lines run across the waves they are made of; the image's y points down.
-    let across = harmonic(2.0).to_angle() / 2.0;
+    // The image's y points down.
     let direction = lines.then(|| (-(across + PI / 2.0)).to_degrees().rem_euclid(180.0));
     Symmetry { n, isotropic, direction, confidence: (margin / FITS).clamp(0.0, 1.0), misses, harmonics }
+}
+
+/// The angle, radians, about which the spectrum lies near another one: other features than the lines pull the harmonic aside.
+fn narrowed(spectrum: &[f64], from: f64) -> f64 {
+    let width = NARROWED.to_radians();
+    (0..NARROWINGS).fold(from, |at, _| {
+        let near = |(i, e): (usize, &f64)| {
+            let off = ((i as f64 + 0.5) * PI / BINS as f64 - at + PI / 2.0).rem_euclid(PI) - PI / 2.0;
+            let weight = e * (1.0 - (off / width).powi(2)).max(0.0).powi(2);
+            DVec2::new(weight * off, weight)
+        };
+        let sum: DVec2 = spectrum.iter().enumerate().map(near).sum();
+        at + if sum.y > 0.0 { sum.x / sum.y } else { 0.0 }
+    })
+}
+
+/// The way in which brightness is skewed at several sizes alike.
+fn slope(grey: &Grey) -> Option<DVec2> {
+    let found = SLOPE_SIDES.map(|side| skewness(&softened(&flattened(&square(grey, side)))));
+    let way = found.iter().sum::<DVec2>().normalize_or_zero();
+    found.iter().all(|s| s.length() > SKEWED && s.dot(way) > SAME_WAY * s.length()).then_some(way)
+}
+
+/// The direction in which the derivative is most skewed, as long as that skewness.
+fn skewness(grey: &Grey) -> DVec2 {
+    let (w, h) = (grey.width as i64, grey.height as i64);
+    let slope = |(x, y): (i64, i64)| {
+        DVec2::new((grey.at(x + 1, y) - grey.at(x - 1, y)).into(), (grey.at(x, y + 1) - grey.at(x, y - 1)).into())
+    };
+    let slopes: Vec<DVec2> = (1..h - 1).flat_map(|y| (1..w - 1).map(move |x| (x, y))).map(slope).collect();
+    let of = |k: usize| {
+        let way = DVec2::from_angle(k as f64 * TAU / SLOPES as f64);
+        let moment = |power: i32| slopes.iter().map(|s| s.dot(way).powi(power)).sum::<f64>() / slopes.len().max(1) as f64;
+        way * (moment(3) / moment(2).powf(1.5).max(f64::MIN_POSITIVE)).max(0.0)
+    };
+    (0..SLOPES).map(of).fold(DVec2::ZERO, |best, s| if s.length() > best.length() { s } else { best })
 }
 
 /// Perceived lightness, rows of pixels.

@@ -10,6 +10,7 @@
 pub mod clean;
 pub mod curvature;
 pub mod disc;
+pub mod distance;
 pub mod geodesic;
 pub mod nearest;
 pub mod part;

@@ -1,5 +1,6 @@
-//! Exemplars: patches cut from them, their hulls, and what coverage asks of their masks.
+//! Exemplars: patches cut from them, their hulls, what coverage asks of their masks, and how they look when turned.
 
 mod coverage_mask;
 mod hull;
 mod patches;
+mod symmetry;

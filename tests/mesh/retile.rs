@@ -1,10 +1,10 @@
 //! Re-tiling on the program's own meshes, on those of `LAPPED_CORPUS`, and on the hardest ones there are: the topology stays, faces
 //! are sound, the count and the distance are kept, and what cannot be done is told.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use lapped::assets;
 use lapped::format::read_model;
-use lapped::mesh::nearest::Nearest;
+use lapped::mesh::distance::farthest;
 use lapped::mesh::retile::{RetileError, RetileOptions, Retiled, retile};
 use lapped::mesh::{CleanOptions, Mesh, clean};
 use lapped::progress::Silent;
@@ -39,16 +39,10 @@ fn check(name: &str, mesh: &Mesh, made: &Retiled) {
     }
 }
 
-/// Largest distance between two surfaces, both ways, over vertices and face centres.
-fn hausdorff(a: &Mesh, b: &Mesh) -> f64 {
-    let one_way = |from: &Mesh, to: &Mesh| {
-        let tree = Nearest::new(to);
-        let vertices = from.positions.iter().map(|p| p.as_dvec3());
-        let centres = (0..from.face_count() as u32).map(|f| from.centroid(f));
-        let far = |p: DVec3| tree.nearest(p).expect("finite").distance;
-        vertices.chain(centres).map(far).fold(0.0, f64::max)
-    };
-    one_way(a, b).max(one_way(b, a))
+/// Largest distance between a mesh and what was made of it, both ways, in edges of the latter.
+fn hausdorff(mesh: &Mesh, made: &Retiled) -> f64 {
+    let edge = made.statistics.evenness.mean_edge;
+    farthest(mesh, &made.mesh, 0.25 * edge).max(farthest(&made.mesh, mesh, 0.25 * edge)) / edge
 }
 
 #[test]
@@ -67,11 +61,7 @@ fn own_meshes_keep_their_shape_at_a_quarter_the_same_and_four_times() {
             assert!(made.mesh.vertex_count().abs_diff(asked) * 100 <= asked, "{name}: {} for {asked}", made.mesh.vertex_count());
             let e = made.statistics.evenness;
             assert!(e.edge_variation < even, "{name}: edges vary by {}", e.edge_variation);
-            assert!(
-                hausdorff(&mesh, &made.mesh) < 0.5 * e.mean_edge,
-                "{name}: {} edges",
-                hausdorff(&mesh, &made.mesh) / e.mean_edge
-            );
+            assert!(hausdorff(&mesh, &made) < 0.5, "{name}: {} edges away", hausdorff(&mesh, &made));
         }
     }
 }
@@ -100,6 +90,10 @@ fn corpus_meshes_keep_their_topology_and_their_place() {
             // Needles and crossing sheets are worse; the bound is what tells a bad step from a hard mesh.
             assert!(made.statistics.evenness.edge_variation < 0.5, "{label}: {:?}", made.statistics);
             check(&label, &mesh, &made);
+            // Where parts of a mesh are thinner than an edge, or touch, the surfaces come apart a little farther.
+            let thin = ["blade", "cow", "dino", "dragon", "mannequin", "suzanne", "teapot"].iter().any(|n| name.starts_with(n));
+            let most = if thin { 0.95 } else { 0.53 };
+            assert!(hausdorff(&mesh, &made) < most, "{label}: {} edges away", hausdorff(&mesh, &made));
         }
     }
 }
@@ -121,7 +115,7 @@ fn creases_stay_sharp_on_request() {
     let made = retile(&mesh, &options, &Silent).expect("enough vertices");
     check("gear", &mesh, &made);
     let plain = to(&mesh, 4000).expect("enough vertices");
-    let (sharp, blunt) = (hausdorff(&mesh, &made.mesh), hausdorff(&mesh, &plain.mesh));
+    let (sharp, blunt) = (hausdorff(&mesh, &made), hausdorff(&mesh, &plain));
     assert!(sharp < 0.6 * blunt, "with creases {sharp}, without {blunt}");
 }
 

@@ -164,9 +164,11 @@ const LINES_SHARE: f64 = 0.5;
 /// Rounds of repulsion alone that end it, in which what was moved from crowded to roomy places settles; and their largest number,
 /// if old vertices are missed or the number of vertices is not yet what was asked for.
 const SETTLING: usize = 3;
-const MOST_SETTLING: usize = 12;
-/// The last ones put nothing back any more.
-const MEASURING: usize = 2;
+const MOST_SETTLING: usize = 14;
+/// After so many of them nothing moves any more, so that what is put back for one place spoils no other, and this ends; the count may
+/// then be off by one in so many.
+const MOVING: usize = 9;
+const NEARLY: usize = 150;
 
 /// Re-tiles a mesh. Linear in old and new vertices together.
 ///
@@ -190,15 +192,22 @@ pub fn retile(mesh: &Mesh, options: &RetileOptions, progress: &dyn Progress) -> 
     progress.stage("comparing surfaces", 0);
     let mut put_back = 0;
     let mut farthest = 0.0;
+    let reach = reach::Reach::new(mesh, t.edge);
     for round in 0..MOST_SETTLING {
         cancelled(progress)?;
-        repulsion::relax(&mut t, &mut scratch);
+        if round < MOVING {
+            repulsion::relax(&mut t, &mut scratch);
+        }
         let mut put = 0;
         if round > 0 {
-            (put, farthest) = reach::put_back(&mut t, round + MEASURING < MOST_SETTLING, &mut scratch);
+            let spare = if round < MOVING { usize::MAX } else { t.count + t.count / NEARLY };
+            let room = spare.saturating_sub(t.surgery.alive_vertices());
+            (put, farthest) = reach.put_back(&mut t, if round + 1 < MOST_SETTLING { room } else { 0 }, &mut scratch);
             put_back += put;
         }
-        let moved = t.surgery.alive_vertices() != t.count && repulsion::relocate(&mut t, true, &mut scratch) > 0;
+        let off = t.surgery.alive_vertices().abs_diff(t.count);
+        let counts = if round < MOVING { off > 0 } else { off * NEARLY > t.count };
+        let moved = counts && repulsion::relocate(&mut t, true, &mut scratch) > 0;
         if round + 1 >= SETTLING && put == 0 && !moved {
             break;
         }
