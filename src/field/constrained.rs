@@ -107,7 +107,7 @@ fn through_anchors(
         };
         shape.iter().enumerate().map(of).collect()
     });
-    Ok((TangentField { up, right }, statistics))
+    Ok((TangentField { up, right, ways: 1 }, statistics))
 }
 
 /// The same scale at every face, and no direction.

@@ -53,6 +53,9 @@ pub enum FieldError {
         /// The version read here.
         expected: u32,
     },
+    /// A field of no usable number of directions.
+    #[error("the field file has {0} `ways`: give how many turns leave the texture looking the same, 1 to 12")]
+    Ways(u32),
     /// A field for another mesh.
     #[error("the field has {found} vectors `{which}`, but the mesh has {faces} faces: use the mesh that the field was made for")]
     Length {

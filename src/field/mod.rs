@@ -43,9 +43,18 @@ pub struct TangentField {
     /// S: texture right, in the face's plane, where it is not simply T x N: a full tangential basis with shear and
     /// non-uniform stretch (LT 3.2).
     pub right: Option<Vec<Vec3>>,
+    /// The texture looks the same turned by a full turn over this: within each patch every face takes that of so many directions
+    /// which continues its neighbours'. 1 for a field that means just what it says.
+    pub ways: u32,
 }
 
 impl TangentField {
+    /// A field that means just what it says, with right as T x N.
+    #[must_use]
+    pub const fn along(up: Vec<Vec3>) -> Self {
+        Self { up, right: None, ways: 1 }
+    }
+
     /// The tangential basis (S, T) of a face.
     #[inline]
     #[must_use]
@@ -62,7 +71,7 @@ impl TangentField {
     #[must_use]
     pub fn on(&self, fine: &Subdivision) -> Self {
         let spread = |vectors: &Vec<Vec3>| fine.parent.iter().map(|&f| vectors[f as usize]).collect();
-        Self { up: spread(&self.up), right: self.right.as_ref().map(spread) }
+        Self { up: spread(&self.up), right: self.right.as_ref().map(spread), ways: self.ways }
     }
 }
 

@@ -194,7 +194,7 @@ mod tests {
         let around = |fine: &Subdivision| {
             let round = |f: u32| DVec3::Z.cross(fine.mesh.centroid(f));
             let up = (0..fine.mesh.face_count() as u32).map(|f| projected(round(f), fine.mesh.normal(f)).as_vec3());
-            Ok(TangentField { up: up.collect(), right: None })
+            Ok(TangentField::along(up.collect()))
         };
         let smooth = refine_near_singularities(&torus, &RefineOptions::default(), around).expect("refines");
         assert_eq!((smooth.statistics.singularities, smooth.statistics.rounds), (0, 0), "no singularity, no cut");

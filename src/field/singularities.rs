@@ -5,7 +5,7 @@
 //! Li, Levy, "N-symmetry direction field design", 2008, sec. 3). On a closed mesh the indices sum to the Euler characteristic:
 //! Poincare and Hopf's theorem, which holds here exactly, not only in the limit.
 
-use super::{Guide, TangentField};
+use super::Guide;
 use crate::mesh::transport::{across, angle};
 use crate::mesh::{Mesh, NONE, prev};
 use glam::Vec3;
@@ -73,7 +73,11 @@ pub fn discontinuity(mesh: &Mesh, guide: &Guide) -> Vec<f32> {
                 let o = mesh.opposite[h as usize];
                 if o != NONE {
                     let scale = f64::from(guide.scale(o / 3) / guide.scale(f)).ln().abs();
-                    let turn = guide.field().map_or(0.0, |TangentField { up, .. }| turn(mesh, up, h).abs());
+                    let turn = guide.field().map_or(0.0, |field| {
+                        let part = TAU / f64::from(field.ways);
+                        let turn = turn(mesh, &field.up, h);
+                        (turn - part * (turn / part).round()).abs()
+                    });
                     worst = worst.max(scale).max(turn);
                 }
             }

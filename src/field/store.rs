@@ -1,8 +1,9 @@
 //! Saving a tangent field face by face, and reading it back.
 //!
-//! The file is JSON: `{ "version": 1, "up": [[x, y, z], ...], "right": [[x, y, z], ...] }` with one vector a face and `right` only
-//! for a full tangential basis.
+//! The file is JSON: `{ "version": 1, "up": [[x, y, z], ...], "right": [[x, y, z], ...], "ways": n }` with one vector a face, `right`
+//! only for a full tangential basis, and `ways` only if the texture looks the same turned by a full turn over n.
 
+use super::nway::MOST_WAYS;
 use super::{FieldError, TangentField};
 use crate::mesh::Mesh;
 use crate::mesh::transport::projected;
@@ -21,6 +22,17 @@ struct Stored {
     up: Vec<Vec3>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     right: Option<Vec<Vec3>>,
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    ways: u32,
+}
+
+const fn one() -> u32 {
+    1
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
+const fn is_one(ways: &u32) -> bool {
+    *ways == 1
 }
 
 /// A vector shorter than this share of its length once laid into the face's plane says nothing there.
@@ -43,7 +55,7 @@ impl TangentField {
                 return Err(FieldError::Vector { which: "right", face, vector: s.as_dvec3(), reason });
             }
         }
-        Ok(Self { up, right })
+        Ok(Self { up, right, ways: 1 })
     }
 
     /// Reads a field file's text for a mesh.
@@ -56,7 +68,10 @@ impl TangentField {
         if stored.version != FIELD_VERSION {
             return Err(FieldError::Version { what: WHAT, found: stored.version, expected: FIELD_VERSION });
         }
-        Self::new(mesh, stored.up, stored.right)
+        if !(1..=MOST_WAYS).contains(&stored.ways) {
+            return Err(FieldError::Ways(stored.ways));
+        }
+        Ok(Self { ways: stored.ways, ..Self::new(mesh, stored.up, stored.right)? })
     }
 
     /// The text of a field file.
@@ -64,7 +79,7 @@ impl TangentField {
     /// # Errors
     /// Never for finite vectors; JSON has no others.
     pub fn to_json(&self) -> Result<String, FieldError> {
-        let stored = Stored { version: FIELD_VERSION, up: self.up.clone(), right: self.right.clone() };
+        let stored = Stored { version: FIELD_VERSION, up: self.up.clone(), right: self.right.clone(), ways: self.ways };
         serde_json::to_string(&stored).map_err(|e| FieldError::Syntax { what: WHAT, reason: e.to_string() })
     }
 }
@@ -100,10 +115,12 @@ mod tests {
         let mesh = shapes::torus(12, 8, 1.0, 0.3);
         let (mut field, _) = up(&mesh, DVec3::Z, 0.3).expect("a field");
         field.right = Some((0..mesh.face_count() as u32).map(|f| (2.0 * field.basis(&mesh, f).0).as_vec3()).collect());
+        field.ways = 4;
         let again = TangentField::from_json(&mesh, &field.to_json().expect("finite")).expect("its own text");
         for (a, b) in field.up.iter().zip(&again.up).chain(field.right.iter().flatten().zip(again.right.iter().flatten())) {
             assert!((a - b).length() < 1e-6, "{a} became {b}");
         }
+        assert_eq!(again.ways, 4, "the ways are kept");
         assert_eq!(again.right.map(|r| r.len()), Some(mesh.face_count()), "the basis is kept");
     }
 

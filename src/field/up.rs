@@ -53,7 +53,7 @@ pub fn up_on(mesh: &Mesh, fine: &Subdivision, axis: DVec3, scale: f64) -> Result
 fn scaled((directions, filled_faces): (Vec<Vec3>, usize), scale: f64) -> Result<(TangentField, UpStatistics), FieldError> {
     let scale = usable_scale(scale)?;
     let up = directions.into_iter().map(|d| d * scale).collect();
-    Ok((TangentField { up, right: None }, UpStatistics { filled_faces }))
+    Ok((TangentField::along(up), UpStatistics { filled_faces }))
 }
 
 /// Unit directions of [`up`], and how many of them came from neighbours.

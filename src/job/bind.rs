@@ -208,7 +208,7 @@ impl Bound {
         let LappedTexture { exemplars, patches, pastes, layers } = lapped;
         let layers = layers.into_iter().map(weights_inward).collect();
         let lapped = LappedTexture { exemplars, patches, pastes: pastes.into_iter().map(inward).collect(), layers };
-        let field = field.map(|f| TangentField { up: first.iter().map(|&user| f[user as usize]).collect(), right: None });
+        let field = field.map(|f| TangentField::along(first.iter().map(|&user| f[user as usize]).collect()));
         Ok(Self { mesh, lapped, field, report })
     }
 }

@@ -389,17 +389,10 @@ pub(super) fn steer(cleaned: &Cleaned, job: &PasteJob, report: &mut JobReport) -
             return Ok((start, Guide::Directed(field)));
         }
         Steer::Relaxed(_) | Steer::Curvature => {
-            let (up, met) = match job.steer {
+            let (up, _) = match job.steer {
                 Steer::Relaxed(ways) => field::nway::relaxed(mesh, ways, scale, &Silent)?,
                 _ => field::nway::along_curvature(mesh, scale, &Silent)?,
             };
-            if met.cut.edges > 0 {
-                let edges = met.cut.edges;
-                report.warnings.push(format!(
-                    "the direction jumps over {edges} edges of the mesh: a line between the points around which the field turns by \
-                     less than a full turn"
-                ));
-            }
             return Ok((start, Guide::Directed(up)));
         }
     };

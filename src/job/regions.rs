@@ -187,7 +187,7 @@ fn restrict(guide: &Guide, faces: &[u32]) -> Guide {
     let pick = |all: &[glam::Vec3]| faces.iter().map(|&f| all[f as usize]).collect();
     match guide {
         Guide::Directed(field) => {
-            Guide::Directed(TangentField { up: pick(&field.up), right: field.right.as_ref().map(|r| pick(r)) })
+            Guide::Directed(TangentField { up: pick(&field.up), right: field.right.as_ref().map(|r| pick(r)), ways: field.ways })
         }
         Guide::Isotropic { scale } => Guide::Isotropic { scale: faces.iter().map(|&f| scale[f as usize]).collect() },
     }
@@ -206,7 +206,7 @@ fn merge(cleaned: &Cleaned, guides: &[(Vec<u32>, Guide)]) -> Guide {
                 faces.iter().zip(&field.up).for_each(|(&f, &t)| up[f as usize] = t);
             }
         }
-        return Guide::Directed(TangentField { up, right: None });
+        return Guide::Directed(TangentField::along(up));
     }
     let mut scale = vec![typical; count];
     for (faces, guide) in guides {

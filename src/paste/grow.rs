@@ -8,7 +8,8 @@
 //!    ([`crate::mesh::disc`]), the edge they join over crosses the interior of the hull, and they are neither flipped
 //!    nor stretched beyond a bound against the field. An edge where growth stops for one of the last reasons is a *hard
 //!    edge*: the texture ends there without falling off.
-//! 3. For isotropic textures the direction of a face is the mean of its neighbours' in the patch, projected.
+//! 3. For isotropic textures the direction of a face is the mean of its neighbours' in the patch, projected; where a field has n
+//!    ways it is that of them which is nearest to this mean, so that no line is left over which the choice jumps.
 //!
 //! Where we differ: a new vertex is placed by the field, not by a triangle similar to its face. Similar triangles
 //! extrapolate what the last face did; on fine meshes the errors compound, fingers run far out and a patch takes several
@@ -21,6 +22,7 @@ use crate::field::Guide;
 use crate::mesh::disc::{Disc, Grower, Joining, Rule};
 use crate::mesh::{Mesh, NONE, SurfacePoint, next, prev};
 use glam::{DMat2, DVec2, DVec3};
+use std::f64::consts::TAU;
 
 /// A new vertex may be this many hull radii (in world units, by the local scale) from the seed point, plus the length of
 /// the edge it joins over. A straight line is never longer than the way over the surface, so honest patches are not cut;
@@ -194,15 +196,29 @@ impl<'a> PasteRule<'a> {
     /// The frame of a face beside the disc.
     fn frame(&self, joining: &Joining) -> Option<Frame> {
         match self.site.guide {
+            Guide::Directed(field) if field.ways > 1 => {
+                let normal = self.site.mesh.normal(joining.face);
+                let (right, up) = field.basis(self.site.mesh, joining.face);
+                let part = TAU / f64::from(field.ways);
+                let wanted = self.continued(joining, normal);
+                let turn = part * (normal.dot(up.cross(wanted)).atan2(up.dot(wanted)) / part).round();
+                let turned = |v: DVec3| v * turn.cos() + normal.cross(v) * turn.sin();
+                Frame::new(turned(right), turned(up), normal)
+            }
             Guide::Directed(field) => Frame::of(self.site.mesh, field, joining.face),
             Guide::Isotropic { scale } => {
                 let normal = self.site.mesh.normal(joining.face);
-                let beside = joining.across.iter().filter(|&&i| i != NONE).map(|&i| self.frames[i as usize].up);
-                let mean = beside.map(DVec3::normalize_or_zero).sum::<DVec3>();
-                let up = (mean - normal * mean.dot(normal)).normalize_or_zero();
+                let up = self.continued(joining, normal).normalize_or_zero();
                 Frame::from_up(up * f64::from(scale[joining.face as usize]), normal)
             }
         }
+    }
+
+    /// The mean of the neighbours' directions in the plane of a face.
+    fn continued(&self, joining: &Joining, normal: DVec3) -> DVec3 {
+        let beside = joining.across.iter().filter(|&&i| i != NONE).map(|&i| self.frames[i as usize].up);
+        let mean = beside.map(DVec3::normalize_or_zero).sum::<DVec3>();
+        mean - normal * mean.dot(normal)
     }
 
     fn predict(&self, grower: &Grower, joining: &Joining, corner: usize, frame: &Frame) -> DVec2 {

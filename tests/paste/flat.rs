@@ -38,7 +38,7 @@ fn one_paste_gives_the_exemplar_back() {
     for angle in [0.0_f64, 0.4, 2.5] {
         let up = DVec3::new(-angle.sin(), angle.cos(), 0.0) * scale;
         let right = up.cross(DVec3::Z);
-        let guide = Guide::Directed(TangentField { up: vec![up.as_vec3(); mesh.face_count()], right: None });
+        let guide = Guide::Directed(TangentField::along(vec![up.as_vec3(); mesh.face_count()]));
         let plan = PatchPlan::new(&patch, w);
         let centre = DVec3::new(1.03, 0.97, 0.0);
         let seed = finder.nearest(centre).unwrap().at;

@@ -206,7 +206,7 @@ fn a_full_tangential_basis_shears_and_stretches_the_texture() {
     let model = sheet(30, 3.0);
     let faces = model.faces.len();
     let (up, right) = (Vec3::new(0.1, 0.5, 0.0), Vec3::new(0.9, 0.2, 0.0));
-    let field = TangentField { up: vec![up; faces], right: Some(vec![right; faces]) };
+    let field = TangentField { up: vec![up; faces], right: Some(vec![right; faces]), ways: 1 };
     let steer = Steer::Field(field.to_json().unwrap());
     let done = pasted(&model, "stripes", &PasteJob { scale: Scale::World(0.5), steer, ..PasteJob::default() });
     let bound = opened(&done.record);

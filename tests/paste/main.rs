@@ -8,3 +8,4 @@ mod disc;
 mod flat;
 mod hard;
 mod repeat;
+mod ways;

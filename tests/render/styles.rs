@@ -12,7 +12,7 @@ use lapped::render::{Background, Picture, PreviewStyle, RenderError, SheetOption
 
 /// The field whose texture is `scale` units wide with +y up.
 fn field(mesh: &Mesh, scale: f32) -> Guide {
-    Guide::Directed(TangentField { up: vec![Vec3::Y * scale; mesh.face_count()], right: None })
+    Guide::Directed(TangentField::along(vec![Vec3::Y * scale; mesh.face_count()]))
 }
 
 /// Pastes of a round mask that covers two units of the plane from one end to the other, at the given places and widths.

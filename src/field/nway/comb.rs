@@ -2,8 +2,8 @@
 //!
 //! From a face outward, best fits first, each face takes that of its n directions which continues its neighbour's. Around a
 //! singularity that comes back turned by an n-th part, so a line must remain where the choice jumps: it runs where two
-//! fronts meet, from singularity to singularity. A texture that looks the same turned by an n-th part continues over it; a patch
-//! grown there ends at it.
+//! fronts meet, from singularity to singularity. The field says that it has n ways ([`TangentField::ways`]), so a patch grown over the
+//! line goes on in the direction it has.
 
 use super::{NWayField, NWaySolver, Over};
 use crate::field::{FieldError, TangentField, usable_scale};
@@ -92,5 +92,6 @@ pub fn comb(mesh: &Mesh, solver: &NWaySolver, field: &NWayField, scale: f64) -> 
         let direction: DVec3 = solver.table.direction(f as u32, angle);
         direction.as_vec3() * length
     };
-    Ok(Combed { field: TangentField { up: angles.iter().enumerate().map(one).collect(), right: None }, cut })
+    let up = angles.iter().enumerate().map(one).collect();
+    Ok(Combed { field: TangentField { ways: field.n, ..TangentField::along(up) }, cut })
 }

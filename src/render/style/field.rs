@@ -187,7 +187,7 @@ mod tests {
     fn arrows_point_where_the_texture_is_up() {
         let mesh = shapes::uneven_square(6);
         for up in [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::new(-0.6, 0.8, 0.0)] {
-            let field = TangentField { up: vec![up * 0.1; mesh.face_count()], right: None };
+            let field = TangentField::along(vec![up * 0.1; mesh.face_count()]);
             let arrows = Arrows::new(&mesh, &field);
             let grid = Grid { width: 100, height: 100, samples: 2 };
             let camera = View::degrees(0.0, 0.0).frame(&mesh, 1.0);
@@ -203,7 +203,7 @@ mod tests {
     fn the_poles_of_a_global_up_are_marked() {
         let mesh = shapes::sphere(3);
         let up = (0..mesh.face_count() as u32).map(|f| (DVec3::Y - mesh.normal(f) * mesh.normal(f).y).as_vec3()).collect();
-        let field = TangentField { up, right: None };
+        let field = TangentField::along(up);
         let arrows = Arrows::new(&mesh, &field);
         let grid = Grid { width: 200, height: 200, samples: 1 };
         for (pitch, marked) in [(90.0, true), (-90.0, true), (0.0, false)] {
