@@ -72,7 +72,7 @@ pub enum Start {
 pub struct NWayOptions {
     /// Where to start.
     pub start: Start,
-    /// Relax the smooth error.
+    /// Relax the smooth error. Without it an answer comes several times sooner, as somebody wants it who steers by hand.
     pub smooth: bool,
     /// Then relax the paper's own.
     pub nearest: bool,
@@ -153,7 +153,7 @@ impl<'m> NWaySolver<'m> {
             Start::Random => random(self.table.len(), options.seed),
         };
         self.relax(&mut powers, wishes, options, &mut statistics);
-        if options.start == Start::Smooth && self.n > 1 && wishes.is_empty() && self.mesh.euler_characteristic() <= 0 {
+        if options.start == Start::Smooth && self.n > 1 && wishes.is_empty() && self.mesh.euler_characteristic() == 0 {
             self.try_single(&mut powers, options, &mut statistics, progress);
         }
         let field = NWayField { n: self.n, over: self.table.over, powers };
