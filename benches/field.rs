@@ -10,7 +10,7 @@ mod common;
 
 use common::{SIDES, bumpy_torus, meshed, reset_peak};
 use glam::{DVec2, DVec3, Vec3};
-use lapped::field::nway::{Measure, NWayField, NWayOptions, NWaySolver, Over, energy};
+use lapped::field::nway::{Measure, NWayField, NWayOptions, NWaySolver, Over, Start, energy};
 use lapped::format::read_model;
 use lapped::mesh::Mesh;
 use lapped::progress::Silent;
@@ -37,7 +37,7 @@ fn main() {
     let files: Vec<PathBuf> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).map(PathBuf::from).collect();
     println!("{} threads; errors are sums of 2 (1 - cos n phi) / n^2 over vertices' neighbours", rayon::current_num_threads());
     println!(
-        "mesh                     nodes  n | prepare   first wishes  again | iterations | singular   error |    MB | elsewhere: singular error secs"
+        "mesh                     nodes  n | prepare   first wishes  again | iterations | singular   error |    MB | from noise     | elsewhere: singular error secs"
     );
     if files.is_empty() {
         for n in SIDES {
@@ -83,6 +83,8 @@ fn rows(name: &str, mesh: &Mesh, peer: Option<&Peer>) {
             s.iterations, after.iterations, told.0, told.1
         );
         print!(" | {:>5.0}", lapped::cli::report::peak_memory().unwrap_or(0) as f64 / 1e6);
+        let (noise, from_noise) = solver.solve(&[], &NWayOptions { start: Start::Random, ..NWayOptions::default() }, &Silent);
+        print!(" | {:>8} {:>7.1}", from_noise.singularities, error(&noise));
         if let Some((peer, (seconds, directions))) = peer.and_then(|p| p.fields.get(&n).map(|f| (p, f))) {
             let of: HashMap<[u32; 3], DVec3> =
                 peer.positions.iter().zip(directions).map(|(p, &d)| (p.to_array().map(f32::to_bits), d)).collect();

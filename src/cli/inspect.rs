@@ -2,7 +2,7 @@
 
 use super::{Common, report};
 use crate::exemplar::Channel;
-use crate::exemplar::symmetry::{Symmetry, symmetry};
+use crate::exemplar::symmetry::{Symmetry, exemplar_symmetry};
 use crate::field::{DEFAULT_RATIO, default_scale};
 use crate::format::{
     ExemplarOptions, FaceGroup, Model, Record, check_output, holds_record, read_exemplar, read_file, read_model_bytes,
@@ -118,7 +118,7 @@ pub fn run(args: &InspectArgs) -> anyhow::Result<()> {
     if is_image {
         let (exemplar, warnings) = read_exemplar(path, &ExemplarOptions::default())?;
         let mut found = image_report(&exemplar, warnings.iter().map(ToString::to_string).collect());
-        found.symmetry = exemplar.channel(Channel::BaseColor).map(|image| symmetry(image.finest()));
+        found.symmetry = exemplar_symmetry(&exemplar);
         return show(args, &found, image_text(&found));
     }
     let file = read_file(path, "the file")?;

@@ -3,8 +3,8 @@
 
 use super::Common;
 use super::channels::ChannelArgs;
-use crate::exemplar::symmetry::symmetry;
-use crate::exemplar::{Channel, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
+use crate::exemplar::symmetry::exemplar_symmetry;
+use crate::exemplar::{Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
 use crate::field::nway::MOST_WAYS;
 use crate::format::{read_exemplar, read_file, read_mask};
@@ -254,8 +254,7 @@ fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow
 
 /// What the first exemplar's own symmetry asks for; says what it found.
 fn found_steer(inputs: &[ExemplarInput], common: &Common) -> Steer {
-    let Some(image) = inputs.first().and_then(|i| i.exemplar.channel(Channel::BaseColor)) else { return Steer::Relaxed(1) };
-    let found = symmetry(image.finest());
+    let Some(found) = inputs.first().and_then(|i| exemplar_symmetry(&i.exemplar)) else { return Steer::Relaxed(1) };
     let (steer, flag) = if found.isotropic {
         (Steer::Isotropic(None), "none".to_owned())
     } else {

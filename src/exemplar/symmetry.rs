@@ -10,7 +10,8 @@
 //! 4. The largest n of which all turns fit is the symmetry; if turns that belong to no small n fit as well, the exemplar looks
 //!    the same every way.
 
-use super::Image;
+use super::image::MipChain;
+use super::{Channel, Exemplar, Image};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -72,6 +73,9 @@ const SLOPES: usize = 36;
 const NARROWED: f64 = 25.0;
 const NARROWINGS: usize = 12;
 
+/// An exemplar that is brighter than this (linear) on the mean lies over black, else over white.
+const BRIGHT: f32 = 0.2;
+
 /// How an exemplar looks when it is turned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -100,6 +104,22 @@ impl std::fmt::Display for Symmetry {
         write!(out, " ({:.0} % sure)", 100.0 * self.confidence)?;
         self.direction.map_or(Ok(()), |d| write!(out, ", its lines run at {d:.0} degrees"))
     }
+}
+
+/// Finds the symmetry of an exemplar by its colour, over black or white where it has opacity; `None` without a colour.
+#[must_use]
+pub fn exemplar_symmetry(exemplar: &Exemplar) -> Option<Symmetry> {
+    let color = exemplar.channel(Channel::BaseColor)?.finest();
+    let Some(opacity) = exemplar.channel(Channel::Opacity).map(MipChain::finest) else { return Some(symmetry(color)) };
+    let [width, height] = color.size();
+    let alpha = |x: u32, y: u32| opacity.grey(x.into(), y.into());
+    let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    // Of one colour on nothing: what lies behind is lighter or darker.
+    let (sum, count) = pixels().fold((0.0, 0.0_f32), |(sum, count), (x, y)| {
+        (sum + color.pixel(x.into(), y.into()).element_sum() / 3.0 * alpha(x, y), count + alpha(x, y))
+    });
+    let behind = Vec3::splat(if sum > BRIGHT * count { 0.0 } else { 1.0 });
+    Some(symmetry(&Image::from_fn(width, height, |x, y| behind.lerp(color.pixel(x.into(), y.into()), alpha(x, y)))))
 }
 
 /// Finds the symmetry of an image.

@@ -1,13 +1,13 @@
 //! How exemplars look when turned: the program's own, and those of `LAPPED_CORPUS`.
 
 use lapped::assets;
-use lapped::exemplar::symmetry::{Symmetry, symmetry};
-use lapped::exemplar::{Channel, Exemplar};
+use lapped::exemplar::Exemplar;
+use lapped::exemplar::symmetry::{Symmetry, exemplar_symmetry};
 use lapped::format::{ExemplarOptions, read_exemplar};
 use std::path::Path;
 
 fn of(exemplar: &Exemplar) -> Symmetry {
-    symmetry(exemplar.channel(Channel::BaseColor).expect("a colour image").finest())
+    exemplar_symmetry(exemplar).expect("a colour image")
 }
 
 /// `None` means the same every way.
@@ -53,6 +53,7 @@ fn real_exemplars_are_told_apart() {
     };
     let expected = [
         ("stripes-128.png", Some(2)),
+        ("stripes-alpha-48.png", Some(2)),
         ("tartan_color.jpg", Some(4)),
         ("burlap-96.png", Some(4)),
         ("octagon-tiles.jpg", Some(4)),
