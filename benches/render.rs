@@ -1,7 +1,7 @@
 //! Frames of lapped textures on a graphics adapter: `single` and `layered` over a plain draw with one texture, the same
 //! mesh, camera, light and size; and the memory of records against an atlas of equal sampling density.
 //!
-//! `cargo bench --bench render` runs tori of about 5k, 70k and 1M faces at 1080p and 4K. Words after `--` choose the
+//! `cargo bench --bench render` runs tori of about 500 (three draws a face), 5k, 70k and 1M faces at 1080p and 4K. Words after `--` choose the
 //! adapter (as `lapped inspect --gpu` names them).
 
 #![expect(clippy::print_stdout, reason = "the table is what this program is for")]
@@ -21,7 +21,7 @@ use wgpu::util::DeviceExt;
 /// Surface area over exemplar area.
 const RATIO: f64 = 60.0;
 /// Sides of the tori: 2 n^2 faces each.
-const SIDES: [usize; 3] = [50, 187, 707];
+const SIDES: [usize; 4] = [16, 50, 187, 707];
 const SIZES: [[u32; 2]; 2] = [[1920, 1080], [3840, 2160]];
 /// Frames of which the median is told.
 const FRAMES: usize = 7;

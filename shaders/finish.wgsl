@@ -9,11 +9,6 @@ const SHADOW = 0.75;
 const WALL_MIDDLE = vec3f(0.80, 0.80, 0.81);
 const WALL_CORNER = vec3f(0.50, 0.505, 0.52);
 
-@vertex
-fn vertex(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
-    return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let n = frame.samples;

@@ -19,7 +19,7 @@ struct Frame {
     // Depth of relief that parallax shows, in exemplar widths; 0: none.
     parallax: f32,
     eye: vec3f,
-    // Bits as in `exemplar::Channel`.
+    // Bits as in `exemplar::Channel`, and whether layers are mixed by weights.
     channels: u32,
     world_up: vec3f,
     // Samples along each side of a pixel.
@@ -156,3 +156,4 @@ const METALLIC = 4u;
 const OCCLUSION = 5u;
 const EMISSIVE = 6u;
 const OPACITY = 7u;
+const LAYERS = 31u;

@@ -33,10 +33,13 @@ fn fragment(in: PasteCorner) -> Blended {
     let entry = entries[in.entry];
     let g = ground(entry.face, in.bary, in.position.xy);
     let layer = show(entry, in.bary, across, down, g);
-    if layer.alpha <= 0.0 {
+    var a = layer.alpha;
+    if has(LAYERS) && a > 0.0 {
+        a = share_of_below(in.entry, a, in.bary, across, down, g);
+    }
+    if a <= 0.0 {
         discard;
     }
-    let a = layer.alpha;
     var out: Blended;
     out.base_color = vec4f(layer.base_color * a, a);
     out.normal = vec4f(layer.normal * a, a);
@@ -44,4 +47,21 @@ fn fragment(in: PasteCorner) -> Blended {
     out.emissive = vec4f(layer.emissive * a, a);
     out.opacity = vec4f(layer.opacity * a, 0.0, 0.0, a);
     return out;
+}
+
+// The share that a paste of a weighted layer has in what lies below the pastes above it: blended over in paint order, shares
+// add up to the layer mixed by its weight as a whole.
+fn share_of_below(index: u32, alpha: f32, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> f32 {
+    var inside = 1.0;
+    var weight = 1.0;
+    // The layer's marker stands on top of it.
+    for (var i = index + 1u; i < arrayLength(&entries); i++) {
+        let entry = entries[i];
+        if entry.paste == MARKER {
+            weight = layer_weight(entry, bary);
+            break;
+        }
+        inside *= 1.0 - place_on(entry, bary, across, down, g).alpha;
+    }
+    return weight * inside * alpha / max(1.0 - weight * (1.0 - inside), 1e-6);
 }

@@ -10,7 +10,8 @@ struct Paste {
     offset: vec2f,
 }
 
-// A face under a paste: texture coordinates of its corners over the mask.
+// A face under a paste: texture coordinates of its corners over the mask. Where layers are mixed by weights, one entry more
+// stands on top of each layer: its paste is `MARKER`, its first three numbers are the layer's weights at the corners.
 struct Entry {
     paste: u32,
     face: u32,
@@ -55,6 +56,13 @@ struct Exemplar {
 @group(2) @binding(5) var gloss_maps: texture_2d_array<f32>;
 @group(2) @binding(6) var emissions: texture_2d_array<f32>;
 @group(2) @binding(7) var filtered: sampler;
+
+const MARKER = 0xffffffffu;
+
+// The weight of the layer below a marker.
+fn layer_weight(entry: Entry, bary: vec3f) -> f32 {
+    return clamp(dot(vec3f(entry.uv0, entry.uv1.x), bary), 0.0, 1.0);
+}
 
 // True: filtered along the sample's own shape on the surface. False: over a square of the same area, as the reference
 // renderer does.
@@ -128,35 +136,60 @@ fn wrapped(exemplar: Exemplar, pixel: vec2f) -> vec2f {
     return pixel;
 }
 
-// What a paste shows. `across` and `down` are the steps of `bary` to the next sample.
-fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Layer {
-    var layer: Layer;
-    layer.alpha = 0.0;
-    let paste = pastes[entry.paste];
-    let piece = patches[paste.piece];
+// Where a sample lies on a paste.
+struct Place {
+    paste: Paste,
+    piece: Patch,
+    pixel: vec2f,
+    // Pixels from the first corner to the second and third, and twice the area they span.
+    step1: vec2f,
+    step2: vec2f,
+    turn: f32,
+    over: Footprint,
+    alpha: f32,
+}
+
+// `across` and `down` are the steps of `bary` to the next sample.
+fn place_on(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Place {
+    var place: Place;
+    place.alpha = 0.0;
     let at = entry.uv0 * bary.x + entry.uv1 * bary.y + entry.uv2 * bary.z;
     if any(at <= vec2f(0.0)) || any(at >= vec2f(1.0)) {
-        return layer;
+        return place;
     }
-    let pixel = at * piece.size;
-    let step1 = (entry.uv1 - entry.uv0) * piece.size;
-    let step2 = (entry.uv2 - entry.uv0) * piece.size;
-    let turn = step1.x * step2.y - step1.y * step2.x;
-    var over: Footprint;
-    over.lod = 0.5 * log2(max(1.0, g.footprint * abs(turn) / max(g.area, 1e-37)));
-    over.dx = across.y * step1 + across.z * step2;
-    over.dy = down.y * step1 + down.z * step2;
-    layer.alpha = mask_alpha(piece, pixel, over);
+    place.paste = pastes[entry.paste];
+    place.piece = patches[place.paste.piece];
+    let piece = place.piece;
+    place.pixel = at * piece.size;
+    place.step1 = (entry.uv1 - entry.uv0) * piece.size;
+    place.step2 = (entry.uv2 - entry.uv0) * piece.size;
+    place.turn = place.step1.x * place.step2.y - place.step1.y * place.step2.x;
+    place.over.lod = 0.5 * log2(max(1.0, g.footprint * abs(place.turn) / max(g.area, 1e-37)));
+    place.over.dx = across.y * place.step1 + across.z * place.step2;
+    place.over.dy = down.y * place.step1 + down.z * place.step2;
+    place.alpha = mask_alpha(piece, place.pixel, place.over);
+    return place;
+}
+
+// What a paste shows.
+fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Layer {
+    var layer: Layer;
+    let on = place_on(entry, bary, across, down, g);
+    layer.alpha = on.alpha;
     if layer.alpha <= 0.0 {
         return layer;
     }
+    let piece = on.piece;
+    let over = on.over;
+    let step1 = on.step1;
+    let step2 = on.step2;
 
     let exemplar = exemplars[piece.exemplar];
     // World steps of one pixel right and down.
-    let side = sign(turn);
+    let side = sign(on.turn);
     let right = unit((g.edge1 * step2.y - g.edge2 * step1.y) * side);
     let below = unit((g.edge2 * step1.x - g.edge1 * step2.x) * side);
-    var place = pixel + piece.origin + paste.offset;
+    var place = on.pixel + piece.origin + on.paste.offset;
     if frame.parallax > 0.0 && exemplar.layers.y >= 0 && has(HEIGHT) {
         let slope = vec2f(dot(g.to_eye, right), dot(g.to_eye, below)) / max(abs(dot(g.to_eye, g.normal)), 0.2);
         place = relief(exemplar, place, slope, frame.parallax * exemplar.size.x, over);

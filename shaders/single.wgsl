@@ -19,10 +19,21 @@ fn fragment(in: Corner) -> @location(0) vec4f {
     let g = ground(in.face, in.bary, in.position.xy);
     var sum: Material;
     var left = 1.0;
+    // What the layers above let through, what the pastes of this one do, and its weight here.
+    var above = 1.0;
+    var inside = 1.0;
+    var weight = 1.0;
     let first = starts[in.face];
     for (var i = starts[in.face + 1u]; i > first; i--) {
-        let layer = show(entries[i - 1u], in.bary, across, down, g);
-        let share = left * layer.alpha;
+        let entry = entries[i - 1u];
+        if entry.paste == MARKER {
+            above = left;
+            inside = 1.0;
+            weight = layer_weight(entry, in.bary);
+            continue;
+        }
+        let layer = show(entry, in.bary, across, down, g);
+        let share = above * weight * inside * layer.alpha;
         if share > 0.0 {
             sum.base_color += share * layer.base_color;
             sum.normal += share * layer.normal;
@@ -31,7 +42,8 @@ fn fragment(in: Corner) -> @location(0) vec4f {
             sum.occlusion += share * layer.occlusion;
             sum.emissive += share * layer.emissive;
             sum.opacity += share * layer.opacity;
-            left -= share;
+            inside *= 1.0 - layer.alpha;
+            left = above * (1.0 - weight * (1.0 - inside));
             if left < NOTHING_LEFT {
                 break;
             }

@@ -54,4 +54,9 @@ pub trait SurfaceTexture: Sync {
     /// The texture at a surface point, averaged over about `footprint` (world units, the width of a pixel there; 0 asks
     /// for the finest level).
     fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel;
+    /// The same as seen from a side: `to_eye` is the unit vector to the eye, world space. Only textures whose relief shifts
+    /// what is seen look different from there.
+    fn texel_seen(&self, at: SurfacePoint, footprint: f32, _to_eye: Vec3) -> Texel {
+        self.texel(at, footprint)
+    }
 }

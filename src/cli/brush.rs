@@ -4,14 +4,16 @@
 
 use super::Common;
 use super::bar::Bar;
-use super::render::{Mode, RenderArgs};
+use super::render::{Mode, RenderArgs, texture_of};
+use crate::mesh::Mesh;
 use crate::paste::LappedTexture;
 use crate::progress::Progress;
 use crate::render::{Camera, Grid, Picture, PreviewStyle, SheetOptions, Stage, Subject, Visibility, preview};
 
 /// A renderer, chosen.
 pub(super) enum Brush {
-    Reference,
+    /// The reference renderer, which shows relief so deep.
+    Reference(f32),
     #[cfg(feature = "gpu")]
     Gpu(Box<crate::render::gpu::Renderer>, crate::render::gpu::Path),
 }
@@ -20,8 +22,12 @@ impl Brush {
     /// The renderer that the arguments ask for.
     pub(super) fn new(args: &RenderArgs) -> anyhow::Result<Self> {
         let texture = args.style == PreviewStyle::Texture;
-        if args.turntable.is_some() && !texture {
-            anyhow::bail!("a turntable shows the texture: leave out --style {}, or draw single views", args.style);
+        if (args.turntable.is_some() || args.play) && !texture {
+            let what = if args.play { "an animation" } else { "a turntable" };
+            anyhow::bail!("{what} shows the texture: leave out --style {}, or draw single views", args.style);
+        }
+        if args.time.is_some() && matches!(args.style, PreviewStyle::Field | PreviewStyle::Stretch) {
+            anyhow::bail!("the style {} shows the mesh as it was pasted: leave out --time", args.style);
         }
         if !texture && matches!(args.mode, Mode::Single | Mode::Layered) {
             anyhow::bail!("the style {} is drawn on the processor: leave out --mode, or ask for reference", args.style);
@@ -30,8 +36,8 @@ impl Brush {
             anyhow::bail!("the mode reference uses no graphics adapter: leave out --adapter, or ask for another mode");
         }
         match args.mode {
-            Mode::Reference => Ok(Self::Reference),
-            Mode::Auto if !texture => Ok(Self::Reference),
+            Mode::Reference => Ok(Self::Reference(args.parallax)),
+            Mode::Auto if !texture => Ok(Self::Reference(args.parallax)),
             mode => Self::graphics(mode, args),
         }
     }
@@ -39,28 +45,29 @@ impl Brush {
     #[cfg(feature = "gpu")]
     fn graphics(mode: Mode, args: &RenderArgs) -> anyhow::Result<Self> {
         use crate::render::gpu::{Gpu, GpuOptions, Path, Renderer, RendererOptions, has_hardware};
-        let open = |adapter| Renderer::new(Gpu::new(&GpuOptions { adapter, limits: None })?, RendererOptions::default());
+        let options = RendererOptions { parallax: args.parallax, ..RendererOptions::default() };
+        let open = |adapter| Renderer::new(Gpu::new(&GpuOptions { adapter, limits: None })?, options);
         let path = if mode == Mode::Layered { Path::Layered } else { Path::Single };
         if mode != Mode::Auto || args.adapter.is_some() {
             return Ok(Self::Gpu(Box::new(open(args.adapter.clone())?), path));
         }
         // A software adapter has nothing over the reference renderer.
         if !has_hardware() {
-            return Ok(Self::Reference);
+            return Ok(Self::Reference(args.parallax));
         }
         match open(None) {
             Ok(renderer) => Ok(Self::Gpu(Box::new(renderer), path)),
             Err(error) => {
                 args.common.warn(&format!("{error}: it was drawn so"));
-                Ok(Self::Reference)
+                Ok(Self::Reference(args.parallax))
             }
         }
     }
 
     #[cfg(not(feature = "gpu"))]
-    fn graphics(mode: Mode, _args: &RenderArgs) -> anyhow::Result<Self> {
+    fn graphics(mode: Mode, args: &RenderArgs) -> anyhow::Result<Self> {
         if mode == Mode::Auto {
-            return Ok(Self::Reference);
+            return Ok(Self::Reference(args.parallax));
         }
         anyhow::bail!("this program was built without graphics adapters (the cargo feature gpu): draw with --mode reference")
     }
@@ -68,7 +75,7 @@ impl Brush {
     /// Its name on the command line.
     pub(super) fn mode(&self) -> &'static str {
         match self {
-            Self::Reference => "reference",
+            Self::Reference(_) => "reference",
             #[cfg(feature = "gpu")]
             Self::Gpu(_, crate::render::gpu::Path::Single) => "single",
             #[cfg(feature = "gpu")]
@@ -76,10 +83,19 @@ impl Brush {
         }
     }
 
+    /// Depth of relief that the reference renderer shows.
+    fn parallax(&self) -> f32 {
+        match self {
+            Self::Reference(depth) => *depth,
+            #[cfg(feature = "gpu")]
+            Self::Gpu(..) => 0.0,
+        }
+    }
+
     /// The adapter it draws with.
     pub(super) fn adapter(&self) -> Option<String> {
         match self {
-            Self::Reference => None,
+            Self::Reference(_) => None,
             #[cfg(feature = "gpu")]
             Self::Gpu(renderer, _) => Some(renderer.gpu().adapter()),
         }
@@ -89,18 +105,16 @@ impl Brush {
     pub(super) fn sheet(
         &self,
         subject: &Subject<'_>,
-        lapped: &LappedTexture,
         style: PreviewStyle,
         options: &SheetOptions,
         common: &Common,
     ) -> anyhow::Result<Picture> {
         match self {
-            Self::Reference => Ok(preview(subject, style, options)?),
+            Self::Reference(_) => Ok(preview(subject, style, options)?),
             #[cfg(feature = "gpu")]
             Self::Gpu(renderer, path) => {
                 let stage = Stage::new(subject.mesh, &options.draw);
-                let loaded = renderer.load(&stage, lapped)?;
-                loaded.patches().warnings().iter().for_each(|w| common.warn(w));
+                let loaded = load(renderer, &stage, subject.lapped, common)?;
                 let draw = |camera: &Camera, grid| renderer.draw(&loaded, &stage, camera, grid, *path);
                 Ok(crate::render::lay_out(subject.mesh, options, draw)?)
             }
@@ -111,7 +125,6 @@ impl Brush {
     pub(super) fn views(
         &self,
         subject: &Subject<'_>,
-        lapped: &LappedTexture,
         options: &SheetOptions,
         cameras: &[Camera],
         grid: Grid,
@@ -120,10 +133,9 @@ impl Brush {
         let stage = Stage::new(subject.mesh, &options.draw);
         #[cfg(feature = "gpu")]
         let loaded = match self {
-            Self::Reference => None,
+            Self::Reference(_) => None,
             Self::Gpu(renderer, path) => {
-                let loaded = renderer.load(&stage, lapped)?;
-                loaded.patches().warnings().iter().for_each(|w| common.warn(w));
+                let loaded = load(renderer, &stage, subject.lapped, common)?;
                 Some((renderer, loaded, *path))
             }
         };
@@ -142,4 +154,56 @@ impl Brush {
         bar.finish();
         Ok(pictures)
     }
+
+    /// One picture of each of the meshes that a moving one becomes.
+    pub(super) fn play(
+        &self,
+        meshes: impl ExactSizeIterator<Item = anyhow::Result<Mesh>>,
+        lapped: Option<&LappedTexture>,
+        options: &SheetOptions,
+        camera: &Camera,
+        grid: Grid,
+        common: &Common,
+    ) -> anyhow::Result<Vec<Picture>> {
+        #[cfg(feature = "gpu")]
+        let mut loaded = None;
+        let bar = Bar::new(common.quiet);
+        bar.stage("drawing", meshes.len() as u64);
+        let mut pictures = Vec::with_capacity(meshes.len());
+        for mesh in meshes {
+            let mesh = mesh?;
+            bar.done(pictures.len() as u64);
+            let stage = Stage::new(&mesh, &options.draw);
+            #[cfg(feature = "gpu")]
+            if let Self::Gpu(renderer, path) = self {
+                let subject = match &mut loaded {
+                    Some(subject) => {
+                        renderer.follow(subject, &stage)?;
+                        subject
+                    }
+                    None => loaded.insert(load(renderer, &stage, lapped, common)?),
+                };
+                pictures.push(renderer.draw(subject, &stage, camera, grid, *path)?);
+                continue;
+            }
+            let parallax = self.parallax();
+            pictures.push(stage.draw(texture_of(&mesh, lapped, parallax).as_ref(), &Visibility::new(&mesh, camera, grid)?));
+        }
+        bar.finish();
+        Ok(pictures)
+    }
+}
+
+/// A lapped texture, or a bare mesh, on the device. What the device makes of it that the user should know is told.
+#[cfg(feature = "gpu")]
+fn load(
+    renderer: &crate::render::gpu::Renderer,
+    stage: &Stage<'_>,
+    lapped: Option<&LappedTexture>,
+    common: &Common,
+) -> anyhow::Result<crate::render::gpu::Subject> {
+    let nothing = LappedTexture::default();
+    let loaded = renderer.load(stage, lapped.unwrap_or(&nothing))?;
+    loaded.patches().warnings().iter().for_each(|w| common.warn(w));
+    Ok(loaded)
 }

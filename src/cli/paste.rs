@@ -9,7 +9,7 @@ use crate::exemplar::Channel;
 use crate::format::{check_output, read_model, write_record};
 use crate::job::{JobError, JobReport, PasteJob, Pasted, Region, available_memory, paste_regions};
 use crate::mesh::CleanOptions;
-use crate::paste::{Composite, PasteError};
+use crate::paste::{Composite, Coverage, PasteError};
 use crate::render::{PreviewStyle, Subject, View, preview};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
@@ -57,6 +57,13 @@ pub struct PasteArgs {
     #[arg(long, value_name = "TOL", default_value_t = 0.0, help_heading = "Method")]
     pub weld: f64,
 
+    /// What draws the coverage buffer: `gpu` is a graphics adapter
+    #[arg(long, value_enum, value_name = "BY", default_value_t = CoverageBy::Cpu, help_heading = "Method")]
+    pub coverage: CoverageBy,
+    /// Graphics adapter for --coverage gpu: a number or a part of a name as `lapped inspect --gpu` lists them
+    #[arg(long, value_name = "NAME", help_heading = "Method")]
+    pub adapter: Option<String>,
+
     /// Refuse jobs that would take more memory than this, like 500M or 8G [default: what is free]
     #[arg(long, value_name = "BYTES", value_parser = bytes, help_heading = "Method")]
     pub memory: Option<f64>,
@@ -77,6 +84,15 @@ pub struct PasteArgs {
     /// See [`Common`].
     #[command(flatten)]
     pub common: Common,
+}
+
+/// What draws the coverage buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum CoverageBy {
+    /// The processor
+    Cpu,
+    /// A graphics adapter
+    Gpu,
 }
 
 /// A number of bytes, as K, M or G if it ends so.
@@ -215,6 +231,7 @@ fn regions(args: &PasteArgs, named: &[JobRegion]) -> anyhow::Result<Vec<Region>>
     }
     let clean = CleanOptions { weld: args.weld, ..CleanOptions::default() };
     let memory = args.memory.or_else(available_memory);
+    let coverage = coverage(args)?;
     let one = |(index, region): (usize, &JobRegion)| {
         let read = region.args.region(&region.name, &region.exemplars, &args.common);
         let mut read = match &args.job {
@@ -222,9 +239,31 @@ fn regions(args: &PasteArgs, named: &[JobRegion]) -> anyhow::Result<Vec<Region>>
             None => read?,
         };
         read.job = PasteJob { clean: clean.clone(), memory, ..read.job };
+        read.job.paste.coverage = coverage.clone();
         Ok(read)
     };
     named.iter().enumerate().map(one).collect()
+}
+
+/// What draws coverage.
+fn coverage(args: &PasteArgs) -> anyhow::Result<Coverage> {
+    match args.coverage {
+        CoverageBy::Cpu if args.adapter.is_some() => bail!("--adapter is for --coverage gpu: leave it out, or add that"),
+        CoverageBy::Cpu => Ok(Coverage::default()),
+        CoverageBy::Gpu => on_adapter(args),
+    }
+}
+
+#[cfg(feature = "gpu")]
+fn on_adapter(args: &PasteArgs) -> anyhow::Result<Coverage> {
+    use crate::render::gpu::{Gpu, GpuCoverage, GpuOptions};
+    let gpu = Gpu::new(&GpuOptions { adapter: args.adapter.clone(), limits: None })?;
+    Ok(Coverage(Some(std::sync::Arc::new(GpuCoverage::new(gpu)?))))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_adapter(_args: &PasteArgs) -> anyhow::Result<Coverage> {
+    bail!("this program was built without graphics adapters (the cargo feature gpu): leave out --coverage gpu")
 }
 
 /// The file that an error concerns, or the flag.
@@ -241,6 +280,7 @@ fn culprit(args: &PasteArgs, named: &[JobRegion], error: &JobError) -> String {
             region.and_then(|r| r.args.field_file()).unwrap_or(&args.mesh)
         }
         JobError::Feather { .. } if args.job.is_none() => return "--feather".to_owned(),
+        JobError::Paste(PasteError::Coverage(_)) => return "--coverage".to_owned(),
         JobError::Area(_) | JobError::Feather { .. } | JobError::Scale(_) => of_region,
         _ => &args.mesh,
     };

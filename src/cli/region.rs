@@ -205,6 +205,7 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
             },
             hide_hard_edges: !args.no_sort,
             cull: !args.no_cull,
+            ..PasteOptions::default()
         },
         ..PasteJob::default()
     })

@@ -4,12 +4,13 @@ use super::brush::Brush;
 use super::picture::{self, Size};
 use super::{Common, report};
 use crate::exemplar::ChannelSet;
-use crate::field::Guide;
+use crate::field::{Guide, TangentField};
 use crate::format::{check_output, holds_record, read_file, read_model_bytes, read_record_bytes, write_file};
-use crate::job::Bound;
+use crate::job::{Bound, Moving};
 use crate::mesh::{CleanOptions, Mesh, SurfacePoint, clean};
 use crate::paste::{Composite, LappedTexture};
-use crate::render::{Grid, Picture, PreviewStyle, Subject, View, animation};
+use crate::render::normals::crease_angle;
+use crate::render::{Grid, Picture, PreviewStyle, SheetOptions, Subject, View, animation};
 use crate::surface::{SurfaceTexture, Texel};
 use anyhow::Context;
 use clap::Args;
@@ -26,13 +27,15 @@ Examples:
   lapped render bunny.glb -o hero.png --camera yaw=30,pitch=12,zoom=1.3 --samples 4 --transparent
   lapped render bunny.glb -o ear.png --camera three-quarter,zoom=4,at=0.1,1.6,0
   lapped render bunny.glb -o turn.gif --turntable 36 --size 400x400    also .apng, or a folder of PNG files
+  lapped render fox.glb -o run.apng --play --animation Run             a model's own animation
+  lapped render fox.glb -o fox.png --time 0.4 --camera left
   lapped render bunny.glb -o bunny.png --mode single --adapter vulkan
   lapped render bunny.glb -o pastes.png --style pastes")]
 pub struct RenderArgs {
     /// A record (GLB written by `lapped paste`), or any mesh
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Where to write the picture (PNG); of a turntable an animation (.apng, .gif) or a folder
+    /// Where to write the picture (PNG); of --turntable and --play an animation (.apng, .gif) or a folder
     #[arg(short, long, value_name = "OUT.png")]
     pub output: PathBuf,
     /// How to draw. `auto` takes graphics hardware if there is any and the style can be drawn by it
@@ -51,12 +54,24 @@ pub struct RenderArgs {
     /// A full turn in so many pictures
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=3600))]
     pub turntable: Option<u32>,
+    /// Draw the model so many seconds into its animation
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
+    pub time: Option<f64>,
+    /// Play the model's animation, 24 pictures a second
+    #[arg(long, conflicts_with_all = ["time", "turntable"])]
+    pub play: bool,
+    /// Which animation --time and --play mean: its name, or its number from 0 [default: 0]
+    #[arg(long, value_name = "NAME")]
+    pub animation: Option<String>,
     /// Which way is up on the sheet of four views and the turntable: y or z
     #[arg(long, value_name = "AXIS", value_parser = super::axis, allow_hyphen_values = true)]
     pub up: Option<glam::DVec3>,
     /// What to show: texture, pastes, field, coverage, stretch, wireframe
     #[arg(long, value_name = "STYLE", default_value_t = PreviewStyle::Texture)]
     pub style: PreviewStyle,
+    /// Show the relief of exemplars with a height by parallax, so many exemplar widths deep; 0.02 to 0.05 is usual
+    #[arg(long, value_name = "DEPTH", default_value_t = 0.0, value_parser = depth)]
+    pub parallax: f32,
     /// Samples along each side of a pixel
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub samples: u32,
@@ -98,9 +113,11 @@ struct RunReport {
 }
 
 /// What a file holds to be drawn.
-enum Shown {
-    Record(Box<Bound>),
-    Mesh(Mesh),
+struct Shown {
+    mesh: Mesh,
+    lapped: Option<LappedTexture>,
+    field: Option<TangentField>,
+    moving: Option<Moving>,
 }
 
 impl Shown {
@@ -108,10 +125,33 @@ impl Shown {
         let name = || path.display().to_string();
         let file = read_file(path, "the record or mesh")?;
         if holds_record(&file) {
-            return Ok(Self::Record(Box::new(Bound::new(read_record_bytes(path, &file)?).with_context(name)?)));
+            let Bound { mesh, lapped, field, moving, .. } = Bound::new(read_record_bytes(path, &file)?).with_context(name)?;
+            return Ok(Self { mesh, lapped: Some(lapped), field, moving });
         }
         let model = read_model_bytes(path, &file)?;
-        Ok(Self::Mesh(clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?.mesh))
+        let cleaned = clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?;
+        let moving = Moving::new(&model, &cleaned).with_context(name)?;
+        Ok(Self { mesh: cleaned.mesh, lapped: None, field: None, moving })
+    }
+}
+
+/// The animation that is asked for, if one is.
+fn animation_of<'a>(moving: Option<&'a Moving>, args: &RenderArgs) -> anyhow::Result<Option<(&'a Moving, usize)>> {
+    if args.time.is_none() && !args.play {
+        anyhow::ensure!(args.animation.is_none(), "--animation says which one is drawn: add --time SECONDS or --play");
+        return Ok(None);
+    }
+    let moving = moving.filter(|m| !m.motion.animations.is_empty());
+    let moving = moving.context("the model has no animation: export it with one, or leave out --time and --play")?;
+    let number = args.animation.as_ref().map_or(Ok(0), |name| moving.motion.find(name))?;
+    Ok(Some((moving, number)))
+}
+
+/// What lies on a mesh.
+pub(super) fn texture_of<'a>(mesh: &'a Mesh, lapped: Option<&'a LappedTexture>, parallax: f32) -> Box<dyn SurfaceTexture + 'a> {
+    match lapped {
+        Some(lapped) => Box::new(Composite::new(mesh, lapped).with_parallax(parallax)),
+        None => Box::new(Bare(mesh)),
     }
 }
 
@@ -135,43 +175,50 @@ impl SurfaceTexture for Bare<'_> {
 /// written.
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let begin = Instant::now();
-    let folder = args.turntable.is_some() && Animation::of(&args.output)? == Animation::Folder;
+    let many = args.turntable.is_some() || args.play;
+    let folder = many && Animation::of(&args.output)? == Animation::Folder;
     let output = (!folder).then_some(&args.output);
     [output, args.common.report.as_ref()].into_iter().flatten().try_for_each(|p| check_output(p))?;
     let name = || args.model.display().to_string();
     let brush = Brush::new(args)?;
-    let shown = Shown::read(&args.model)?;
+    let Shown { mut mesh, lapped, field, moving } = Shown::read(&args.model)?;
     let read_seconds = begin.elapsed().as_secs_f64();
     let up = picture::up_axis(args.up);
-    let options = picture::views(args.camera, args.size.0, args.samples, args.transparent, up);
+    let mut options = picture::views(args.camera, args.size.0, args.samples, args.transparent, up);
     let start = Instant::now();
-    let nothing = LappedTexture::default();
-    let (mesh, lapped, field) = match shown {
-        Shown::Record(bound) => (bound.mesh, Some(bound.lapped), bound.field),
-        Shown::Mesh(mesh) => (mesh, None, None),
-    };
-    let mixed = lapped.as_ref().is_some_and(|l| l.layers.iter().any(|layer| !layer.weights.is_empty()));
-    let brush = if mixed && args.mode == Mode::Auto { Brush::Reference } else { brush };
-    let guide = field.map(Guide::Directed);
-    let texture: Box<dyn SurfaceTexture + '_> = match &lapped {
-        Some(lapped) => Box::new(Composite::new(&mesh, lapped)),
-        None => Box::new(Bare(&mesh)),
-    };
-    let subject = Subject { mesh: &mesh, texture: texture.as_ref(), lapped: lapped.as_ref(), guide: guide.as_ref() };
-    let pasted = lapped.as_ref().unwrap_or(&nothing);
-    let pictures = match args.turntable {
-        None => vec![brush.sheet(&subject, pasted, args.style, &options, &args.common).with_context(name)?],
-        Some(count) => {
-            let view = args.camera.unwrap_or(View { up, ..View::degrees(30.0, 18.0) });
-            let grid = Grid { width: args.size.0[0], height: args.size.0[1], samples: args.samples };
-            let cameras = view.turntable(&mesh, grid.aspect(), count);
-            brush.views(&subject, pasted, &options, &cameras, grid, &args.common).with_context(name)?
+    let played = animation_of(moving.as_ref(), args).with_context(name)?;
+    if played.is_some() {
+        // The same creases in all pictures.
+        options.draw.crease = Some(crease_angle(&mesh));
+    }
+    let view = args.camera.unwrap_or(View { up, ..View::degrees(30.0, 18.0) });
+    let grid = Grid { width: args.size.0[0], height: args.size.0[1], samples: args.samples };
+    let lapped = lapped.as_ref();
+    let pictures = match played {
+        Some((moving, animation)) if args.play => {
+            play(&brush, moving, animation, lapped, &view, grid, &mut options, &args.common).with_context(name)?
+        }
+        _ => {
+            if let (Some((moving, animation)), Some(time)) = (played, args.time) {
+                mesh = moving.at(Some(animation), time).with_context(name)?;
+            }
+            let guide = field.map(Guide::Directed);
+            let texture = texture_of(&mesh, lapped, args.parallax);
+            let subject = Subject { mesh: &mesh, texture: texture.as_ref(), lapped, guide: guide.as_ref() };
+            match args.turntable {
+                None => vec![brush.sheet(&subject, args.style, &options, &args.common).with_context(name)?],
+                Some(count) => {
+                    let cameras = view.turntable(&mesh, grid.aspect(), count);
+                    brush.views(&subject, &options, &cameras, grid, &args.common).with_context(name)?
+                }
+            }
         }
     };
     let draw_seconds = start.elapsed().as_secs_f64();
-    match args.turntable {
-        None => picture::save(&args.output, &pictures[0])?,
-        Some(_) => save_turn(&args.output, &pictures)?,
+    if many {
+        save_turn(&args.output, &pictures)?;
+    } else {
+        picture::save(&args.output, &pictures[0])?;
     }
     if let Some(path) = &args.common.report {
         let report = RunReport {
@@ -179,7 +226,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             model: name(),
             output: args.output.display().to_string(),
             faces: mesh.face_count(),
-            pastes: pasted.pastes.len(),
+            pastes: lapped.map_or(0, |l| l.pastes.len()),
             mode: brush.mode(),
             adapter: brush.adapter(),
             pictures: pictures.len(),
@@ -192,7 +239,54 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What a turntable is written as.
+/// A depth in exemplar widths.
+fn depth(text: &str) -> Result<f32, String> {
+    let depth = text.parse::<f32>().ok().filter(|d| (0.0..=1.0).contains(d));
+    depth.ok_or_else(|| "give a depth from 0 to 1 exemplar widths".to_owned())
+}
+
+/// Seconds into an animation.
+fn seconds(text: &str) -> Result<f64, String> {
+    let time = text.parse::<f64>().ok().filter(|t| *t >= 0.0 && t.is_finite());
+    time.ok_or_else(|| "give seconds from the animation's begin, 0 or more".to_owned())
+}
+
+/// The most pictures of an animation that are played.
+const MOST_PICTURES: f64 = 3600.0;
+/// The most vertices of all its pictures together that the camera looks at to keep them in sight.
+const FRAMED: usize = 1 << 21;
+
+/// The pictures of an animation, all seen by one camera and over one ground.
+#[allow(clippy::too_many_arguments, reason = "what is drawn, by what, and how")]
+fn play(
+    brush: &Brush,
+    moving: &Moving,
+    animation: usize,
+    lapped: Option<&LappedTexture>,
+    view: &View,
+    grid: Grid,
+    options: &mut SheetOptions,
+    common: &Common,
+) -> anyhow::Result<Vec<Picture>> {
+    let duration = moving.motion.animations[animation].duration();
+    let count = (duration * f64::from(PER_SECOND)).ceil().max(1.0);
+    if count > MOST_PICTURES {
+        anyhow::bail!("the animation lasts {duration:.0} s, which is {count:.0} pictures: draw single ones with --time");
+    }
+    let moment = |k: u32| moving.at(Some(animation), f64::from(k) / f64::from(PER_SECOND));
+    let mut seen = Vec::new();
+    for k in 0..count as u32 {
+        let mesh = moment(k)?;
+        let step = (mesh.vertex_count() * count as usize).div_ceil(FRAMED).max(1);
+        seen.extend(mesh.positions.iter().step_by(step).map(|p| p.as_dvec3()));
+    }
+    let camera = view.frame_points(seen.iter().copied(), grid.aspect());
+    options.draw.floor = seen.iter().map(|p| p.dot(camera.world_up)).reduce(f64::min);
+    let meshes = (0..count as u32).map(|k| Ok(moment(k)?));
+    brush.play(meshes, lapped, options, &camera, grid, common)
+}
+
+/// What pictures that follow one another are written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Animation {
     Apng,
@@ -209,13 +303,15 @@ impl Animation {
             None => Ok(Self::Folder),
             Some(other) => {
                 let path = path.display();
-                anyhow::bail!("{path}: a turntable is no .{other}: name a .apng, a .gif, or a folder for PNG files")
+                anyhow::bail!(
+                    "{path}: pictures that follow one another are no .{other}: name a .apng, a .gif, or a folder for PNG files"
+                )
             }
         }
     }
 }
 
-/// Pictures a second of an animated turntable.
+/// Pictures a second of an animation.
 const PER_SECOND: u16 = 24;
 
 fn save_turn(path: &Path, pictures: &[Picture]) -> anyhow::Result<()> {

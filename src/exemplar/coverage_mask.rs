@@ -98,6 +98,18 @@ impl CoverageMask {
         [self.width, self.height]
     }
 
+    /// All that is known of each pixel, rows from the top, for whoever looks it up elsewhere. First word: depth in sixteenths
+    /// of a pixel as 16 bits with sign, alpha, and eroded alpha of the first radius; second word: that of the others.
+    #[must_use]
+    pub fn words(&self) -> Vec<[u32; 2]> {
+        let word = |cell: &Cell| {
+            let [e0, e1, e2, e3, e4] = cell.eroded;
+            let [low, high] = cell.depth.to_le_bytes();
+            [u32::from_le_bytes([low, high, cell.alpha, e0]), u32::from_le_bytes([e1, e2, e3, e4])]
+        };
+        self.cells.iter().map(word).collect()
+    }
+
     /// The cell a position lies in; for one outside, the nearest.
     #[inline]
     fn cell(&self, at: Vec2) -> Cell {

@@ -15,6 +15,7 @@ mod splotch;
 pub mod srgb;
 pub mod symmetry;
 
+pub use coverage_mask::ERODED_RADII;
 pub use hull::Hull;
 pub use image::{Image, MipChain};
 pub use mask::CoverageMask;

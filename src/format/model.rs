@@ -1,6 +1,7 @@
 //! A mesh as its file holds it: faces and vertices in the file's order, triangulated but not cleaned.
 
 use super::error::Problem;
+use super::motion::Motion;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +33,8 @@ pub struct Model {
     pub groups: Vec<FaceGroup>,
     /// For each face the polygon of the file it was cut from; absent if every polygon is a triangle.
     pub polygons: Option<Vec<u32>>,
+    /// How the vertices move, if they do; it fits them.
+    pub motion: Option<Motion>,
     /// What the file says of itself.
     pub source: Source,
 }

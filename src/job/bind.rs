@@ -1,5 +1,6 @@
 //! Between the user's model and the clean mesh: results go out on the user's faces, in the user's order, and come back.
 
+use super::moving::Moving;
 use crate::field::TangentField;
 use crate::format::{Model, Record};
 use crate::mesh::Mesh;
@@ -149,6 +150,9 @@ fn add_vertex(model: &mut Model, position: Vec3, corners: [u32; 3], bary: Vec3) 
     if let Some(t) = &mut model.uvs {
         t.push(t[a] * bary.x + t[b] * bary.y + t[c] * bary.z);
     }
+    if let Some(motion) = &mut model.motion {
+        motion.add_vertex(corners, bary);
+    }
     if let Some(colour) = &mut model.colors {
         colour.push(colour[a] * bary.x + colour[b] * bary.y + colour[c] * bary.z);
     }
@@ -164,6 +168,8 @@ pub struct Bound {
     pub lapped: LappedTexture,
     /// The tangent field on the mesh's faces, if the record has one.
     pub field: Option<TangentField>,
+    /// How the mesh moves, if it does.
+    pub moving: Option<Moving>,
     /// What cleaning did to the model.
     pub report: CleanReport,
 }
@@ -175,7 +181,9 @@ impl Bound {
     /// If the model is no mesh at all.
     pub fn new(record: Record) -> Result<Self, MeshError> {
         let Record { model, lapped, field, .. } = record;
-        let Cleaned { mesh, user_faces, report, .. } = clean(&model.positions, &model.faces, &CleanOptions::default())?;
+        let cleaned = clean(&model.positions, &model.faces, &CleanOptions::default())?;
+        let moving = Moving::new(&model, &cleaned)?;
+        let Cleaned { mesh, user_faces, report, .. } = cleaned;
         // Of several copies of a face the first brings what lies on it.
         let mut first = vec![NONE; mesh.face_count()];
         for (user, to) in user_faces.iter().enumerate().rev() {
@@ -209,6 +217,6 @@ impl Bound {
         let layers = layers.into_iter().map(weights_inward).collect();
         let lapped = LappedTexture { exemplars, patches, pastes: pastes.into_iter().map(inward).collect(), layers };
         let field = field.map(|f| TangentField::along(first.iter().map(|&user| f[user as usize]).collect()));
-        Ok(Self { mesh, lapped, field, report })
+        Ok(Self { mesh, lapped, field, moving, report })
     }
 }

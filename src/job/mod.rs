@@ -2,16 +2,19 @@
 //! and whoever embeds the library.
 //!
 //! [`paste_model`] takes a model as its file holds it and exemplars, and returns a record of the same model with its
-//! pastes; [`paste_regions`] does so with several textures, each on its part of the surface. [`Bound`] leads back: from a record to the mesh and the lapped texture on it, ready to be shown.
+//! pastes; [`paste_regions`] does so with several textures, each on its part of the surface. [`Bound`] leads back: from a record
+//! to the mesh and the lapped texture on it, ready to be shown; [`Moving`] plays its animations.
 
 pub mod area;
 pub mod bind;
 pub mod estimate;
+pub mod moving;
 pub mod paste;
 pub mod regions;
 
 pub use area::{Area, AreaError, Where};
 pub use bind::Bound;
 pub use estimate::{Estimate, Work, available_memory};
+pub use moving::Moving;
 pub use paste::{ExemplarInput, JobError, JobReport, PasteJob, Pasted, Scale, Steer, paste_model};
 pub use regions::{Region, RegionReport, paste_regions};

@@ -323,7 +323,7 @@ fn pair_half_edges(positions: &[Vec3], faces: &[[u32; 3]], report: &mut CleanRep
 }
 
 /// One vertex a fan: walks the fans of all faces and numbers vertices anew, in the order of first use.
-pub(super) fn part_fans(
+pub(crate) fn part_fans(
     positions: &[Vec3],
     mut faces: Vec<[u32; 3]>,
     opposite: Vec<u32>,

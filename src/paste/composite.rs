@@ -5,6 +5,7 @@
 //! travel together; normals are turned from each paste's own frame into the mesh's space.
 
 use super::lapped::{FaceLists, LappedTexture, Layer, Paste};
+use super::relief::{LEAST_COSINE, met};
 use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::{SurfaceTexture, Texel};
@@ -25,6 +26,8 @@ pub struct Composite<'a> {
     channels: ChannelSet,
     /// One past the last paste of each layer.
     layer_ends: Vec<u32>,
+    /// Depth of relief shown by parallax, in exemplar widths.
+    parallax: f32,
 }
 
 /// What is left to see through, from the top down.
@@ -81,7 +84,14 @@ impl<'a> Composite<'a> {
             Some(*end)
         };
         let layer_ends = lapped.layers.iter().scan(0, ends).collect();
-        Self { mesh, lapped, lists, channels, layer_ends }
+        Self { mesh, lapped, lists, channels, layer_ends, parallax: 0.0 }
+    }
+
+    /// Shows the relief of exemplars with a height by parallax, so deep at most, in exemplar widths; 0 shows none.
+    #[must_use]
+    pub fn with_parallax(mut self, depth: f32) -> Self {
+        self.parallax = depth.max(0.0);
+        self
     }
 
     /// The pastes on each face.
@@ -122,11 +132,19 @@ impl<'a> Composite<'a> {
             return 0.0;
         }
         let share = weight * alpha;
-        let place = exemplar_pixel(patch, paste, pixel);
-        let place = match exemplar.wrap {
+        let size = Vec2::from(exemplar.size().map(|s| s as f32));
+        let wrapped = |place: Vec2| match exemplar.wrap {
             Wrap::Clamp => place,
-            Wrap::Repeat => place.rem_euclid(Vec2::from(exemplar.size().map(|s| s as f32))),
+            Wrap::Repeat => place.rem_euclid(size),
         };
+        let mut place = exemplar_pixel(patch, paste, pixel);
+        if let (Some(to_eye), Some(height)) = (ground.to_eye, exemplar.channel(Channel::Height)) {
+            let [right, down] = image.axes(ground);
+            let cosine = to_eye.dot(ground.normal).abs().max(LEAST_COSINE);
+            let slope = Vec2::new(to_eye.dot(right), to_eye.dot(down)) / cosine;
+            place = met(height, place, slope, self.parallax * size.x, lod, wrapped);
+        }
+        let place = wrapped(place);
         let read = |channel: Channel| exemplar.channel(channel).map(|image| image.sample(place, lod));
         if let Some(v) = read(Channel::BaseColor) {
             texel.base_color += share * v;
@@ -168,13 +186,15 @@ struct Ground {
     /// Twice the area.
     area: f64,
     normal: Vec3,
+    /// Unit vector to the eye, if relief is shown from there.
+    to_eye: Option<Vec3>,
 }
 
 impl Ground {
-    fn new(mesh: &Mesh, face: u32) -> Self {
+    fn new(mesh: &Mesh, face: u32, to_eye: Option<Vec3>) -> Self {
         let [a, b, c] = mesh.corners(face);
         let area = (b - a).cross(c - a);
-        Self { edges: [b - a, c - a], area: area.length(), normal: area.normalize_or_zero().as_vec3() }
+        Self { edges: [b - a, c - a], area: area.length(), normal: area.normalize_or_zero().as_vec3(), to_eye }
     }
 }
 
@@ -197,15 +217,20 @@ impl PixelMap {
         if area > 0.0 { (f64::from(pixels) / area).sqrt() as f32 } else { 0.0 }
     }
 
-    /// A tangent-space normal in the mesh's space.
-    fn to_mesh(&self, ground: &Ground, n: Vec3) -> Vec3 {
+    /// Unit vectors along which pixels go right and down on the face.
+    fn axes(&self, ground: &Ground) -> [Vec3; 2] {
         let (d1, d2) = ((self.0[1] - self.0[0]).as_dvec2(), (self.0[2] - self.0[0]).as_dvec2());
         // World steps of one pixel right and down: the inverse of the map, up to the (irrelevant) size of its determinant.
         let sign = d1.perp_dot(d2).signum();
         let [e1, e2] = ground.edges;
         let right = (e1 * d2.y - e2 * d1.y) * sign;
         let down = (e2 * d1.x - e1 * d2.x) * sign;
-        let [right, down] = [right, down].map(|v| v.normalize_or_zero().as_vec3());
+        [right, down].map(|v| v.normalize_or_zero().as_vec3())
+    }
+
+    /// A tangent-space normal in the mesh's space.
+    fn to_mesh(&self, ground: &Ground, n: Vec3) -> Vec3 {
+        let [right, down] = self.axes(ground);
         (right * n.x - down * n.y + ground.normal * n.z).normalize_or(ground.normal)
     }
 }
@@ -216,7 +241,17 @@ impl SurfaceTexture for Composite<'_> {
     }
 
     fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
-        let ground = Ground::new(self.mesh, at.face);
+        self.composited(&Ground::new(self.mesh, at.face, None), at, footprint)
+    }
+
+    fn texel_seen(&self, at: SurfacePoint, footprint: f32, to_eye: Vec3) -> Texel {
+        let to_eye = (self.parallax > 0.0).then_some(to_eye);
+        self.composited(&Ground::new(self.mesh, at.face, to_eye), at, footprint)
+    }
+}
+
+impl Composite<'_> {
+    fn composited(&self, ground: &Ground, at: SurfacePoint, footprint: f32) -> Texel {
         let normal = ground.normal;
         let mut sum = Texel {
             base_color: Vec3::ZERO,
@@ -233,7 +268,7 @@ impl SurfaceTexture for Composite<'_> {
         for &entry in self.lists.of(at.face).iter().rev() {
             let share = clear.share(entry.0);
             if share >= NOTHING_SHOWN {
-                clear.take(self.add(&mut sum, share, entry, &ground, at, footprint));
+                clear.take(self.add(&mut sum, share, entry, ground, at, footprint));
             }
             if clear.rest() < NOTHING_LEFT {
                 break;

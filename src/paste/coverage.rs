@@ -18,10 +18,13 @@ use crate::exemplar::CoverageMask;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Cells of a row that are tried together against the mask's depth before they are looked at one by one.
-const RUN: u32 = 8;
+pub const RUN: u32 = 8;
 
 /// Samples at or below this transparency, of 255, count as opaque.
 const OPAQUE: u8 = 1;
+
+/// Runs of no more cells than this are not tried together.
+const SHORT_RUN: usize = 2;
 
 /// The cells of one face: rows over its longest edge, each cut into equal cells.
 #[derive(Debug, Clone, Copy)]
@@ -58,13 +61,24 @@ impl Lattice {
         (0..self.rows).map(|row| self.row_cells(row) as usize).sum()
     }
 
+    /// Number of cells in each row.
+    #[must_use]
+    pub fn rows(&self) -> Vec<u32> {
+        (0..self.rows).map(|row| self.row_cells(row)).collect()
+    }
+
+    /// The corner opposite the longest edge, where that runs from (0, 0) to (1, 0).
+    pub(super) fn apex(&self) -> DVec2 {
+        self.apex / self.base
+    }
+
     fn row_cells(&self, row: u32) -> u32 {
         let width = self.base * (1.0 - f64::from(row) / f64::from(self.rows));
         (width / self.pitch).ceil().max(1.0) as u32
     }
 
     /// Half the extents of the largest cell.
-    fn half_cell(&self) -> DVec2 {
+    pub(super) fn half_cell(&self) -> DVec2 {
         DVec2::new(0.5 * self.base.min(self.pitch), 0.5 * self.apex.y / f64::from(self.rows))
     }
 
@@ -189,10 +203,41 @@ impl Image {
         (self.origin + self.along * p.x + self.up * p.y).as_vec2()
     }
 
+    /// The mask pixel of the origin, and steps of mask pixels for one longest edge along it and up.
+    pub(super) fn in_edges(&self, lattice: &Lattice) -> [Vec2; 3] {
+        [self.origin, self.along * lattice.base, self.up * lattice.base].map(|v| v.as_vec2())
+    }
+
     /// Radius of the image of a box of half extents `half`.
     pub(super) fn radius(&self, half: DVec2) -> f32 {
         let (a, b) = (self.along * half.x, self.up * half.y);
         (a + b).length().max((a - b).length()) as f32
+    }
+}
+
+/// How much of a face a texture patch hides, as far as one look tells.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reach {
+    /// Nothing of it.
+    None,
+    /// All of it.
+    All,
+    /// Its samples must be looked at.
+    Some,
+}
+
+impl Reach {
+    /// Of a patch whose mask pixels at the face's corners are these.
+    #[must_use]
+    pub fn of(mask: &CoverageMask, pixel: &[DVec2; 3]) -> Self {
+        let middle = (pixel[0] + pixel[1] + pixel[2]) / 3.0;
+        let radius = pixel.iter().map(|p| p.distance(middle)).fold(0.0, f64::max) as f32;
+        let depth = mask.depth(middle.as_vec2());
+        match () {
+            () if depth <= -radius => Self::None,
+            () if depth >= radius => Self::All,
+            () => Self::Some,
+        }
     }
 }
 
@@ -229,6 +274,12 @@ impl Tile {
         }
     }
 
+    /// What is known, from the transparency of each sample.
+    #[must_use]
+    pub fn of_samples(samples: Box<[u8]>) -> Self {
+        if samples.iter().all(|&t| t == 0) { Self::Opaque } else { Self::Partial(samples) }
+    }
+
     /// Makes one sample opaque.
     pub fn cover_sample(&mut self, index: usize, cells: usize) {
         if let Self::Bare = self {
@@ -250,15 +301,13 @@ impl Tile {
         if *self == Self::Opaque {
             return false;
         }
-        let middle = (pixel[0] + pixel[1] + pixel[2]) / 3.0;
-        let radius = pixel.iter().map(|p| p.distance(middle)).fold(0.0, f64::max) as f32;
-        let depth = mask.depth(middle.as_vec2());
-        if depth <= -radius {
-            return false;
-        }
-        if depth >= radius {
-            *self = Self::Opaque;
-            return true;
+        match Reach::of(mask, &pixel) {
+            Reach::None => return false,
+            Reach::All => {
+                *self = Self::Opaque;
+                return true;
+            }
+            Reach::Some => {}
         }
         if let Self::Bare = self {
             *self = Self::Partial(vec![255; lattice.cells()].into());
@@ -282,7 +331,7 @@ fn cover_samples(samples: &mut [u8], lattice: &Lattice, mask: &CoverageMask, ima
         if these.iter().all(|&t| t == 0) {
             return;
         }
-        if these.len() > 2 {
+        if these.len() > SHORT_RUN {
             let depth = mask.depth(image.at(run.middle()));
             let reach = image.radius(run.half());
             if depth <= -reach {

@@ -11,7 +11,8 @@
 //! its own seed opaque (alpha is 1 at the patch's centre, which lies on the seed), so the loop ends on every mesh.
 
 use super::PasteError;
-use super::coverage::{Lattice, Tile};
+use super::coverage::{Lattice, Reach, Tile};
+use super::coverage_backend::{CoverageDrawer, CoveredFace};
 use super::grow::{PatchPlan, Predictor, Site, Stops};
 use super::lapped::Paste;
 use super::lay::{FitChoice, Laid, lay};
@@ -26,6 +27,7 @@ use crate::progress::Progress;
 use crate::random::Random;
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 /// Points drawn at a time: enough for many cores, few enough that early pastes still see most of each other.
@@ -50,7 +52,7 @@ const PROGRESS_PARTS: u64 = 1000;
 const AREA_PARTS: f64 = (1_u64 << 44) as f64;
 
 /// What the loop works on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct LayoutInput<'a> {
     /// The surface.
     pub mesh: &'a Mesh,
@@ -74,6 +76,8 @@ pub struct LayoutInput<'a> {
     pub fit: FitChoice,
     /// Seed of all random choices.
     pub seed: u64,
+    /// What draws coverage; `None`: the processor.
+    pub drawer: Option<&'a dyn CoverageDrawer>,
 }
 
 /// Pastes in the order laid, and what is known of each.
@@ -143,7 +147,7 @@ struct Order {
 struct Candidate {
     paste: Paste,
     edges: Vec<HardEdge>,
-    /// What the faces it reaches would become.
+    /// What the faces it reaches would become; none where something else draws coverage.
     tiles: Vec<Tile>,
     spread: Spread,
     grown_faces: usize,
@@ -286,10 +290,53 @@ impl<'a> Loop<'a> {
     fn lay_batch(&mut self, orders: &[Order]) -> Result<(), PasteError> {
         self.batch += 1;
         let candidates: Vec<Option<Candidate>> = orders.par_iter().with_max_len(1).map(|o| self.candidate(o)).collect();
+        let named =
+            |(order, candidate): (&Order, Option<Candidate>)| candidate.ok_or(PasteError::NoBasis { face: order.seed.face });
+        let candidates = orders.iter().zip(candidates).map(named).collect::<Result<Vec<_>, _>>()?;
+        if let Some(drawer) = self.input.drawer {
+            self.draw_coverage(drawer, &candidates)?;
+        }
         for (order, candidate) in orders.iter().zip(candidates) {
-            let candidate = candidate.ok_or(PasteError::NoBasis { face: order.seed.face })?;
             self.take(order, candidate);
         }
+        Ok(())
+    }
+
+    /// What the faces become under all pastes of a batch, drawn by a back-end.
+    fn draw_coverage(&mut self, drawer: &dyn CoverageDrawer, candidates: &[Candidate]) -> Result<(), PasteError> {
+        let begin = std::time::Instant::now();
+        let mesh = self.input.mesh;
+        let mut asked: BTreeMap<u32, CoveredFace> = BTreeMap::new();
+        for Candidate { paste, .. } in candidates {
+            let mask = &self.input.masks[paste.patch as usize];
+            let size = self.input.patches[paste.patch as usize].mask.size();
+            for (slot, &face) in paste.faces.iter().enumerate() {
+                let f = face as usize;
+                let pixels = mask_pixels(paste, slot as u32, size);
+                let reach = Reach::of(mask, &pixels);
+                if self.tiles[f] == Tile::Opaque || reach == Reach::None {
+                    continue;
+                }
+                if reach == Reach::All {
+                    self.tiles[f] = Tile::Opaque;
+                    asked.remove(&face);
+                    continue;
+                }
+                let lattice = Lattice::new(&mesh.corners(face), self.pitch(face));
+                let so_far = || match &self.tiles[f] {
+                    Tile::Partial(samples) => samples.to_vec(),
+                    _ => vec![255; self.cells[f] as usize],
+                };
+                let asked = asked.entry(face).or_insert_with(|| CoveredFace::new(&lattice, so_far()));
+                asked.lay(&lattice, u32::from(paste.patch), pixels);
+            }
+        }
+        let (faces, asked): (Vec<u32>, Vec<CoveredFace>) = asked.into_iter().unzip();
+        let drawn = drawer.cover(&asked).map_err(PasteError::Coverage)?;
+        for (face, samples) in faces.into_iter().zip(drawn) {
+            self.tiles[face as usize] = Tile::of_samples(samples);
+        }
+        self.layout.totals.cover_seconds += begin.elapsed().as_secs_f64();
         Ok(())
     }
 
@@ -320,10 +367,12 @@ impl<'a> Loop<'a> {
         let open: Vec<(usize, usize)> =
             laid.open.iter().filter_map(|&(i, edge)| place[i].map(|slot| (slot as usize, edge))).collect();
         let edges = hard_edges(mesh, mask, &paste.faces, &pixels, &open);
+        let here = if self.input.drawer.is_none() { paste.faces.len() } else { 0 };
         let tiles = paste
             .faces
             .iter()
             .zip(&pixels)
+            .take(here)
             .map(|(&face, &pixels)| {
                 let mut tile = self.tiles[face as usize].clone();
                 tile.cover(&Lattice::new(&mesh.corners(face), self.pitch(face)), mask, pixels);
@@ -354,8 +403,13 @@ impl<'a> Loop<'a> {
     fn take(&mut self, order: &Order, candidate: Candidate) {
         let mesh = self.input.mesh;
         let size = self.input.patches[order.patch as usize].mask.size();
-        for (slot, (&face, tile)) in candidate.paste.faces.iter().zip(candidate.tiles).enumerate() {
+        let mut tiles = candidate.tiles.into_iter();
+        for (slot, &face) in candidate.paste.faces.iter().enumerate() {
             let f = face as usize;
+            let Some(tile) = tiles.next() else {
+                self.reweigh(face);
+                continue;
+            };
             if self.changed[f] == self.batch {
                 let lattice = Lattice::new(&mesh.corners(face), self.pitch(face));
                 let pixels = mask_pixels(&candidate.paste, slot as u32, size);

@@ -10,6 +10,7 @@
 pub mod audit;
 pub mod composite;
 pub mod coverage;
+pub mod coverage_backend;
 pub mod fit;
 pub mod frame;
 pub mod grow;
@@ -17,10 +18,12 @@ mod lapped;
 pub mod lay;
 pub mod layout;
 pub mod order;
+mod relief;
 pub mod seed;
 pub mod statistics;
 
 pub use composite::Composite;
+pub use coverage_backend::{Coverage, CoverageBackend};
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};
 pub use lapped::{FaceLists, LappedTexture, Layer, Paste};
@@ -83,6 +86,8 @@ pub struct PasteOptions {
     pub hide_hard_edges: bool,
     /// Remove faces that later pastes hide.
     pub cull: bool,
+    /// Where coverage is drawn.
+    pub coverage: Coverage,
 }
 
 impl Default for PasteOptions {
@@ -95,6 +100,7 @@ impl Default for PasteOptions {
             isotropic_fit: IsotropicFit::default(),
             hide_hard_edges: true,
             cull: true,
+            coverage: Coverage::default(),
         }
     }
 }
@@ -154,6 +160,9 @@ pub enum PasteError {
     /// The distortion bound is no bound.
     #[error("the distortion bound is {0}: give a number above zero (1 is usual)")]
     Distortion(f64),
+    /// Something else was to draw coverage, and cannot.
+    #[error("{0}: or let the processor draw coverage (--coverage cpu)")]
+    Coverage(String),
     /// The progress sink asked to stop.
     #[error("pasting was cancelled")]
     Cancelled,
@@ -251,6 +260,7 @@ pub fn paste(
     let pitch: Vec<f32> = texel.iter().map(|t| t * CELL_TEXELS as f32).collect();
     let none = vec![0.0; if difficulty.is_empty() { mesh.face_count() } else { 0 }];
     let isotropic = matches!(guide, Guide::Isotropic { .. });
+    let drawer = options.coverage.0.as_ref().map(|b| b.prepare(&masks)).transpose().map_err(PasteError::Coverage)?;
     let mut work = Loop::new(LayoutInput {
         mesh,
         guide,
@@ -263,6 +273,7 @@ pub fn paste(
         predictor: options.predictor,
         fit: lay::FitChoice { weights: options.weights, isotropic: options.isotropic_fit },
         seed: options.seed,
+        drawer: drawer.as_deref(),
     });
     let mut statistics = PasteStatistics::default();
     statistics.seconds.prepare = begin.elapsed().as_secs_f64();

@@ -1,6 +1,6 @@
 //! The soft shadow where a mesh stands: how much of the sky its underside hides from the ground.
 //!
-//! The ground is the plane through the mesh's lowest point. Seen from straight below, the mesh is a height map `h`; a cell
+//! The ground is the plane through the mesh's lowest point, or a given one below it. Seen from straight below, the mesh is a height map `h`; a cell
 //! of it with area dA hides `h^2 / (pi (h^2 + d^2)^2) dA` of an overcast sky from a ground point at distance d (the form
 //! factor of two parallel patches). Summed over all cells that is the shadow.
 
@@ -29,9 +29,10 @@ pub struct GroundShadow {
 }
 
 impl GroundShadow {
-    /// The shadow of a mesh with `up` as its up direction (unit).
+    /// The shadow of a mesh with `up` as its up direction (unit). The ground is at height `floor`, along `up`, or at the mesh's
+    /// lowest point where that is lower.
     #[must_use]
-    pub fn new(mesh: &Mesh, up: DVec3) -> Self {
+    pub fn new(mesh: &Mesh, up: DVec3, floor: Option<f64>) -> Self {
         let across = up.any_orthonormal_vector();
         let down = across.cross(up);
         let mut low = DVec3::INFINITY;
@@ -40,6 +41,7 @@ impl GroundShadow {
             let p = DVec3::new(p.dot(across), p.dot(down), p.dot(up));
             (low, high) = (low.min(p), high.max(p));
         }
+        low.z = floor.map_or(low.z, |floor| floor.min(low.z));
         let size = high - low;
         let half = REACH * 0.5 * size.truncate().length().max(0.4 * size.z).max(f64::MIN_POSITIVE);
         let centre = 0.5 * (low + high);
@@ -153,7 +155,7 @@ mod tests {
     #[test]
     fn under_the_middle_of_a_square_the_form_factor_is_the_textbook_one() {
         for height in [0.5_f32, 1.0, 2.0] {
-            let shadow = GroundShadow::new(&table(height), DVec3::Y);
+            let shadow = GroundShadow::new(&table(height), DVec3::Y, None);
             // Point below the corner of a rectangle a x b at distance h, four corners: sides a = b = 1.
             let x = 1.0 / f64::from(height);
             let k = x / (1.0 + x * x).sqrt();
@@ -165,7 +167,7 @@ mod tests {
 
     #[test]
     fn there_is_no_shadow_from_below_nor_far_away() {
-        let shadow = GroundShadow::new(&table(0.5), DVec3::Y);
+        let shadow = GroundShadow::new(&table(0.5), DVec3::Y, None);
         assert_eq!(shadow.along(DVec3::new(0.0, -1.0, 0.0), DVec3::Y), 0.0, "from below");
         assert_eq!(shadow.along(DVec3::new(0.0, 1.0, 0.0), DVec3::Y), 0.0, "looking up");
         assert_eq!(shadow.along(DVec3::new(9.0, 1.0, 0.0), DVec3::NEG_Y), 0.0, "far away");

@@ -55,6 +55,9 @@ pub struct DrawOptions {
     pub bare: Vec3,
     /// Whether hollows are darkened by ambient occlusion.
     pub occlusion: bool,
+    /// Height of the ground, along the world's up; `None`: where the mesh's lowest point is. Pictures of a mesh that moves
+    /// share one.
+    pub floor: Option<f64>,
 }
 
 impl Default for DrawOptions {
@@ -65,6 +68,7 @@ impl Default for DrawOptions {
             crease: None,
             bare: Vec3::new(0.42, 0.40, 0.38),
             occlusion: true,
+            floor: None,
         }
     }
 }
@@ -150,8 +154,8 @@ impl<'a> Stage<'a> {
 
     /// The shadow on the ground; kept from picture to picture while up stays the same.
     pub(super) fn shadow(&self, up: DVec3) -> Cow<'_, GroundShadow> {
-        let kept = self.shadow.get_or_init(|| GroundShadow::new(self.mesh, up));
-        if kept.up() == up { Cow::Borrowed(kept) } else { Cow::Owned(GroundShadow::new(self.mesh, up)) }
+        let kept = self.shadow.get_or_init(|| GroundShadow::new(self.mesh, up, self.options.floor));
+        if kept.up() == up { Cow::Borrowed(kept) } else { Cow::Owned(GroundShadow::new(self.mesh, up, self.options.floor)) }
     }
 }
 
@@ -205,7 +209,7 @@ impl Frame<'_> {
     /// Light from a hit towards the eye, and how opaque it is there.
     fn light(&self, hit: &Hit, open: f32) -> (Vec3, f32) {
         let options = &self.stage.options;
-        let texel = self.texture.texel(hit.at, hit.footprint as f32);
+        let texel = self.texture.texel_seen(hit.at, hit.footprint as f32, hit.to_eye.as_vec3());
         let channels = self.texture.channels();
         let cover = texel.alpha.clamp(0.0, 1.0);
         let opacity = if channels.has(Channel::Opacity) { 1.0 - cover * (1.0 - texel.opacity.clamp(0.0, 1.0)) } else { 1.0 };

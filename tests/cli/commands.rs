@@ -122,6 +122,11 @@ fn render_draws_on_graphics_adapters() {
         let sum: u64 = expected.as_raw().iter().zip(drawn.as_raw()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
         assert!(sum < expected.as_raw().len() as u64 / 2, "{mode} on {adapter}: {sum} steps in all");
     }
+    for adapter in ["vulkan", "gl"] {
+        let args = ["paste", "mesh.obj", "wood.png", "-o", "out/gpu.glb", "--coverage", "gpu", "--adapter", adapter];
+        let (said, _) = succeeds(&place, &args);
+        assert!(said.contains("least alpha 0.99") || said.contains("least alpha 1.0"), "nothing is left bare: {said}");
+    }
 }
 
 #[test]

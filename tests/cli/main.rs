@@ -6,6 +6,9 @@ mod commands;
 mod common;
 mod errors;
 mod flaws;
+#[path = "../common/glb.rs"]
+mod glb;
 mod inspect;
+mod moving;
 mod program;
 mod regions;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
+use crate::glb::Gltf;
 use glam::{Vec3, Vec4};
 use lapped::format::{Model, read_model_bytes};
 use serde_json::{Value, json};
@@ -13,68 +14,6 @@ fn read(name: &str, bytes: impl AsRef<[u8]>) -> Model {
 
 fn triangles(model: &Model) -> Vec<[Vec3; 3]> {
     model.faces.iter().map(|f| f.map(|v| model.positions[v as usize])).collect()
-}
-
-/// A document under construction.
-#[derive(Default)]
-struct Gltf {
-    bin: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Gltf {
-    fn view(&mut self, bytes: &[u8], stride: Option<usize>) -> usize {
-        self.bin.resize(self.bin.len().next_multiple_of(4), 0);
-        let mut view = json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
-        if let Some(stride) = stride {
-            view["byteStride"] = stride.into();
-        }
-        self.views.push(view);
-        self.bin.extend(bytes);
-        self.views.len() - 1
-    }
-
-    fn accessor(&mut self, bytes: &[u8], component: u32, count: usize, kind: &str) -> usize {
-        let view = self.view(bytes, None);
-        self.accessors.push(json!({ "bufferView": view, "componentType": component, "count": count, "type": kind }));
-        self.accessors.len() - 1
-    }
-
-    fn positions(&mut self, p: &[[f32; 3]]) -> usize {
-        let bytes: Vec<u8> = p.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
-        self.accessor(&bytes, 5126, p.len(), "VEC3")
-    }
-
-    fn document(&self, rest: Value, uri: Option<String>) -> Value {
-        let mut buffer = json!({ "byteLength": self.bin.len() });
-        if let Some(uri) = uri {
-            buffer["uri"] = uri.into();
-        }
-        let mut all = json!({
-            "asset": { "version": "2.0" }, "buffers": [buffer], "bufferViews": self.views, "accessors": self.accessors,
-        });
-        for (key, value) in rest.as_object().unwrap() {
-            all[key] = value.clone();
-        }
-        all
-    }
-
-    fn glb(&self, rest: Value) -> Vec<u8> {
-        let mut json = self.document(rest, None).to_string().into_bytes();
-        json.resize(json.len().next_multiple_of(4), b' ');
-        let mut bin = self.bin.clone();
-        bin.resize(bin.len().next_multiple_of(4), 0);
-        let mut out = b"glTF\x02\0\0\0".to_vec();
-        out.extend(((12 + 8 + json.len() + 8 + bin.len()) as u32).to_le_bytes());
-        out.extend((json.len() as u32).to_le_bytes());
-        out.extend(b"JSON");
-        out.extend(json);
-        out.extend((bin.len() as u32).to_le_bytes());
-        out.extend(b"BIN\0");
-        out.extend(bin);
-        out
-    }
 }
 
 const SQUARE: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];

@@ -6,7 +6,10 @@ mod common;
 mod corpus;
 mod docs;
 mod exemplars;
+#[path = "../common/glb.rs"]
+mod glb;
 mod gltf;
+mod motion;
 mod obj;
 mod ply_stl;
 mod properties;

@@ -8,9 +8,9 @@
 
 use crate::common::{compare, pasted, pasted_with, renderers};
 use glam::{DVec3, Vec3};
-use lapped::exemplar::{Channel, Image};
+use lapped::exemplar::{Channel, Image, TexturePatch};
 use lapped::mesh::Mesh;
-use lapped::paste::{Composite, LappedTexture};
+use lapped::paste::{Composite, LappedTexture, Paste};
 use lapped::render::gpu::{Filter, Forward, Path, Renderer, RendererOptions};
 use lapped::render::{Background, DrawOptions, Grid, Picture, Stage, View, Visibility};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ fn reference(stage: &Stage<'_>, lapped: &LappedTexture, camera: &lapped::render:
 }
 
 /// Draws with every adapter and both ways and holds each against the reference.
-fn agree(name: &str, mesh: &Mesh, lapped: &LappedTexture, options: &DrawOptions, view: &str, grid: Grid) {
+pub(crate) fn agree(name: &str, mesh: &Mesh, lapped: &LappedTexture, options: &DrawOptions, view: &str, grid: Grid) {
     let stage = Stage::new(mesh, options);
     let camera = view.parse::<View>().unwrap().frame(mesh, grid.aspect());
     let expected = reference(&stage, lapped, &camera, grid);
@@ -39,6 +39,7 @@ fn agree(name: &str, mesh: &Mesh, lapped: &LappedTexture, options: &DrawOptions,
             assert!(found.outline < OUTLINE, "{name} {view} {path:?} on {adapter}: {found:?} at outlines");
             assert!(found.outside < 0.1, "{name} {view} {path:?} on {adapter}: {found:?} behind the mesh");
         }
+        assert_eq!(renderer.gpu().check(), Ok(()), "{name}: the driver and its validation refuse nothing");
     }
 }
 
@@ -82,6 +83,75 @@ fn every_channel_of_a_material_is_drawn_alike_and_translucent_ones_in_exact_orde
     // Five groups of material are more than many adapters blend at once; without emission they are four.
     glassy.exemplars[0].remove(Channel::Emissive);
     agree("translucent", &opaque.mesh, &glassy, &DrawOptions::default(), "three-quarter", grid);
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn layers_mixed_by_weights_look_the_same_in_all_modes() {
+    let [below, above] = ["stone", "rust"].map(|name| pasted("vase", &[name], 30.0, false));
+    assert_eq!(below.mesh.faces, above.mesh.faces, "on the same faces");
+    let mesh = &below.mesh;
+    let (low, high) = mesh.bounds();
+    // Weights from 0 to 1 and back, by height; and a layer of one weight everywhere on top.
+    let wave = |k: f32| {
+        move |v: &u32| {
+            let height = (mesh.positions[*v as usize].y - low.y) / (high.y - low.y);
+            (0.5 + 0.7 * (k * height).sin()).clamp(0.0, 1.0)
+        }
+    };
+    let by = |k: f32| mesh.faces.iter().map(|f| f.each_ref().map(wave(k))).collect::<Vec<_>>();
+    let mut lapped = below.lapped.clone();
+    let layer = |pastes: &[Paste], weights| lapped::paste::Layer { name: String::new(), pastes: pastes.len() as u32, weights };
+    lapped.layers = vec![
+        layer(&below.lapped.pastes, Vec::new()),
+        layer(&above.lapped.pastes, by(7.0)),
+        layer(&below.lapped.pastes, vec![[0.3; 3]; mesh.face_count()]),
+    ];
+    let [patches, exemplars] = [lapped.patches.len() as u16, lapped.exemplars.len() as u16];
+    lapped.exemplars.extend(above.lapped.exemplars.clone());
+    lapped.patches.extend(above.lapped.patches.iter().cloned().map(|p| TexturePatch { exemplar: p.exemplar + exemplars, ..p }));
+    lapped.pastes.extend(above.lapped.pastes.iter().cloned().map(|p| Paste { patch: p.patch + patches, ..p }));
+    lapped.pastes.extend(below.lapped.pastes.clone());
+    let (options, grid) = (DrawOptions::default(), Grid { width: 220, height: 260, samples: 2 });
+    agree("three layers", mesh, &lapped, &options, "three-quarter", grid);
+    let stage = Stage::new(mesh, &options);
+    let camera = View::default().frame(mesh, grid.aspect());
+    let mixed = reference(&stage, &lapped, &camera, grid);
+    let plain = reference(&stage, &below.lapped, &camera, grid);
+    assert!(compare(mesh, &camera, grid, &mixed, &plain).inside > 3.0, "the upper layers show");
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn a_model_that_is_played_looks_as_the_reference_has_it() {
+    use crate::glb::{bending, bulging};
+    use lapped::job::Bound;
+    for (name, (gltf, rest)) in [("bending", bending(20, 40)), ("bulging", bulging(20, 40))] {
+        let model = lapped::format::read_model_bytes(std::path::Path::new("a.glb"), &gltf.glb(rest)).unwrap();
+        let exemplar = lapped::assets::exemplar("scales").unwrap();
+        let record = crate::common::pasted_model(&model, vec![exemplar], 30.0, true).record;
+        let bound = Bound::new(record).unwrap();
+        let moving = bound.moving.as_ref().unwrap();
+        let options = DrawOptions { crease: Some(1.0), ..DrawOptions::default() };
+        let grid = Grid { width: 200, height: 200, samples: 2 };
+        for renderer in renderers() {
+            let rest = moving.at(Some(0), 0.0).unwrap();
+            let mut subject = renderer.load(&Stage::new(&rest, &options), &bound.lapped).unwrap();
+            for time in [0.5, 1.0, 1.6] {
+                let mesh = moving.at(Some(0), time).unwrap();
+                let stage = Stage::new(&mesh, &options);
+                renderer.follow(&mut subject, &stage).unwrap();
+                let camera = View::default().frame(&mesh, 1.0);
+                let expected = reference(&stage, &bound.lapped, &camera, grid);
+                for path in [Path::Single, Path::Layered] {
+                    let drawn = renderer.draw(&subject, &stage, &camera, grid, path).unwrap();
+                    let found = compare(&mesh, &camera, grid, &expected, &drawn);
+                    println!("{name} {time} {path:?}: {found:?}");
+                    assert!(found.inside < INSIDE && found.outline < OUTLINE, "{name} at {time} s, {path:?}: {found:?}");
+                }
+            }
+        }
+    }
 }
 
 #[test]
@@ -240,5 +310,35 @@ fn gradients_and_relief_change_only_what_they_should() {
         println!("{name}: anisotropic {sharper:?}, parallax {deeper:?}");
         assert!(sharper.inside > 0.1 && sharper.inside < 12.0 && sharper.outside < 0.1, "anisotropic on {name}: {sharper:?}");
         assert!(deeper.inside > 0.5 && deeper.inside < 30.0 && deeper.outside < 0.1, "parallax on {name}: {deeper:?}");
+    }
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn relief_is_shifted_as_the_reference_shifts_it() {
+    let pasted = pasted("vase", &["bricks"], 20.0, true);
+    let options = DrawOptions::default();
+    let stage = Stage::new(&pasted.mesh, &options);
+    let grid = Grid { width: 200, height: 200, samples: 2 };
+    for view in ["front", "yaw=40,pitch=50"] {
+        let camera = view.parse::<View>().unwrap().frame(&pasted.mesh, 1.0);
+        let seen = Visibility::new(&pasted.mesh, &camera, grid).unwrap();
+        for depth in [0.02, 0.06] {
+            let plain = stage.draw(&Composite::new(&pasted.mesh, &pasted.lapped), &seen);
+            let expected = stage.draw(&Composite::new(&pasted.mesh, &pasted.lapped).with_parallax(depth), &seen);
+            assert!(compare(&pasted.mesh, &camera, grid, &plain, &expected).inside > 1.0, "relief is seen");
+            for renderer in renderers() {
+                let renderer =
+                    Renderer::new(renderer.gpu().clone(), RendererOptions { parallax: depth, ..RendererOptions::default() });
+                let renderer = renderer.unwrap();
+                let subject = renderer.load(&stage, &pasted.lapped).unwrap();
+                for path in [Path::Single, Path::Layered] {
+                    let drawn = renderer.draw(&subject, &stage, &camera, grid, path).unwrap();
+                    let found = compare(&pasted.mesh, &camera, grid, &expected, &drawn);
+                    println!("relief {depth} {view} {path:?} on {}: {found:?}", renderer.gpu().adapter());
+                    assert!(found.inside < 1.0 && found.outline < OUTLINE, "{depth} {view} {path:?}: {found:?}");
+                }
+            }
+        }
     }
 }

@@ -5,6 +5,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
+use lapped::format::Model;
 use lapped::job::{ExemplarInput, PasteJob, Pasted, Scale, Steer, paste_model};
 use lapped::mesh::Mesh;
 use lapped::paste::{LappedTexture, Paste};
@@ -12,6 +13,10 @@ use lapped::progress::Silent;
 use lapped::render::gpu::{Gpu, GpuOptions, Renderer, RendererOptions};
 use lapped::render::{Camera, Grid, Picture, Visibility};
 use std::sync::OnceLock;
+
+#[path = "../common/grid.rs"]
+mod grid;
+pub(crate) use grid::flat;
 
 /// One renderer on each interface. Both must be there.
 pub(crate) fn renderers() -> &'static [Renderer; 2] {
@@ -33,11 +38,15 @@ pub(crate) fn pasted(mesh: &str, exemplars: &[&str], ratio: f64, up: bool) -> Pa
 
 /// A mesh of the assets covered with exemplars.
 pub(crate) fn pasted_with(mesh: &str, exemplars: Vec<Exemplar>, ratio: f64, up: bool) -> Pasted {
-    let model = lapped::assets::mesh(mesh).unwrap();
+    pasted_model(&lapped::assets::mesh(mesh).unwrap(), exemplars, ratio, up)
+}
+
+/// A model covered with exemplars.
+pub(crate) fn pasted_model(model: &Model, exemplars: Vec<Exemplar>, ratio: f64, up: bool) -> Pasted {
     let inputs = exemplars.into_iter().map(|exemplar| ExemplarInput { exemplar, weight: 1.0, patches: Vec::new() }).collect();
     let steer = if up { Steer::Up(DVec3::Y) } else { Steer::Isotropic(None) };
     let job = PasteJob { scale: Scale::Ratio(ratio), steer, ..PasteJob::default() };
-    paste_model(&model, inputs, &job, &Silent).unwrap()
+    paste_model(model, inputs, &job, &Silent).unwrap()
 }
 
 /// How two pictures differ, in steps of 1/255: the mean of red, green and blue, and a difference in alpha as one of them.
@@ -83,23 +92,6 @@ pub(crate) fn compare(mesh: &Mesh, camera: &Camera, grid: Grid, a: &Picture, b: 
     }
     let mean = |kind: usize| sums[kind] / counts[kind].max(1.0);
     Difference { inside: mean(0), outline: mean(1), outside: mean(2), most }
-}
-
-/// A flat grid of `n` by `n` quads from -1 to 1, facing +z.
-pub(crate) fn flat(n: u32) -> Mesh {
-    let mut positions = Vec::new();
-    let mut faces = Vec::new();
-    for j in 0..=n {
-        for i in 0..=n {
-            let at = |k: u32| 2.0 * k as f32 / n as f32 - 1.0;
-            positions.push(Vec3::new(at(i), at(j), 0.0));
-            if i < n && j < n {
-                let a = j * (n + 1) + i;
-                faces.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
-            }
-        }
-    }
-    Mesh::new(positions, faces).unwrap()
 }
 
 /// An exemplar of coloured checks.

@@ -178,17 +178,3 @@ fn bare_colour_is_the_same_everywhere() {
     let middle = pictures.each_ref().map(|p| p.pixel(48, 48));
     assert_eq!(middle[0], middle[1], "both interfaces");
 }
-
-#[test]
-#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
-fn regions_mixed_by_weights_are_refused_with_words() {
-    let mesh = flat(2);
-    let mut lapped = LappedTexture::default();
-    let stage = Stage::new(&mesh, &DrawOptions::default());
-    let weights = vec![[0.5; 3]; mesh.face_count()];
-    lapped.layers = vec![lapped::paste::Layer { name: String::new(), pastes: 0, weights }];
-    for renderer in renderers() {
-        let error = renderer.load(&stage, &lapped).err();
-        assert!(matches!(error, Some(GpuError::SoftRegions)), "{error:?}");
-    }
-}

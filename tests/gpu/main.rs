@@ -4,4 +4,10 @@
 
 mod agree;
 mod common;
+mod coverage;
+#[path = "../common/glb.rs"]
+mod glb;
 mod limits;
+mod memory;
+mod pairs;
+mod screen;

@@ -8,6 +8,10 @@ use lapped::exemplar::{Channel, ChannelSet};
 use lapped::mesh::{CleanOptions, Mesh, SurfacePoint, clean};
 use lapped::surface::{SurfaceTexture, Texel};
 
+#[path = "../common/grid.rs"]
+mod grid;
+pub(crate) use grid::flat;
+
 /// A closed surface: a torus or, with `tube` 0, a sphere, from a grid of `n` by `n` quads.
 #[must_use]
 pub(crate) fn round(n: u32, tube: f64) -> Mesh {
@@ -35,24 +39,6 @@ pub(crate) fn round(n: u32, tube: f64) -> Mesh {
         }
     }
     clean(&positions, &faces, &CleanOptions::default()).unwrap().mesh
-}
-
-/// A flat grid of `n` by `n` quads from -1 to 1 in x and y, facing +z.
-#[must_use]
-pub(crate) fn sheet_of(n: u32) -> Mesh {
-    let mut positions = Vec::new();
-    let mut faces = Vec::new();
-    for j in 0..=n {
-        for i in 0..=n {
-            let at = |k: u32| 2.0 * k as f32 / n as f32 - 1.0;
-            positions.push(Vec3::new(at(i), at(j), 0.0));
-            if i < n && j < n {
-                let a = j * (n + 1) + i;
-                faces.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
-            }
-        }
-    }
-    Mesh::new(positions, faces).unwrap()
 }
 
 /// The same faces with moved positions.

@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
-use crate::common::{Painted, checks, corpus, moved, plain, round, sheet_of};
+use crate::common::{Painted, checks, corpus, flat, moved, plain, round};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::{Channel, ChannelSet};
 use lapped::mesh::{Mesh, SurfacePoint};
@@ -23,7 +23,7 @@ fn srgb(linear: f32) -> f32 {
 
 #[test]
 fn a_base_colour_seen_from_the_front_is_shown_as_it_is() {
-    let mesh = sheet_of(2);
+    let mesh = flat(2);
     for colour in [Vec3::splat(0.2158), Vec3::new(0.6, 0.2, 0.05), Vec3::new(0.05, 0.1, 0.4), Vec3::splat(0.03)] {
         let shown = picture(&mesh, &plain(&mesh, colour), "front", &DrawOptions::default()).pixel(48, 48);
         for k in 0..3 {
@@ -78,8 +78,8 @@ fn relief_along_the_flat_normal_changes_nothing_on_a_smooth_body() {
 #[test]
 fn one_sees_through_what_is_not_opaque_in_the_right_order() {
     // Two sheets: half-opaque black before opaque white; the emission makes colours exact.
-    let front = moved(&sheet_of(2), |p| p + DVec3::Z * 0.1);
-    let back = sheet_of(2);
+    let front = moved(&flat(2), |p| p + DVec3::Z * 0.1);
+    let back = flat(2);
     let half = back.vertex_count() as u32;
     let positions = back.positions.iter().chain(&front.positions).copied().collect();
     let faces = back.faces.iter().copied().chain(front.faces.iter().map(|f| f.map(|v| v + half))).collect();

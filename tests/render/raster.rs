@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
-use crate::common::{corpus, moved, round, sheet_of};
+use crate::common::{corpus, flat, moved, round};
 use glam::{DVec2, DVec3, Vec3};
 use lapped::mesh::{Mesh, NONE};
 use lapped::random::Random;
@@ -127,7 +127,7 @@ fn a_ray_enters_a_closed_surface_as_often_as_it_leaves() {
 
 #[test]
 fn neighbours_on_a_plane_leave_no_gap_and_do_not_overlap() {
-    let mesh = sheet_of(16);
+    let mesh = flat(16);
     for text in ["front", "front,fov=0", "yaw=30,pitch=40", "front,zoom=3.7", "back,zoom=50"] {
         let view: View = text.parse().unwrap();
         // 16 quads over 128 samples of a parallel projection: edges and diagonals run through sample centres.
@@ -146,7 +146,7 @@ fn neighbours_on_a_plane_leave_no_gap_and_do_not_overlap() {
 fn footprints_add_up_to_the_area_and_agree_with_neighbouring_points() {
     for text in ["front", "yaw=50,pitch=30", "yaw=60,pitch=-20,fov=90", "yaw=-40,pitch=10,fov=0"] {
         for size in [1e-6, 1.0, 1e6] {
-            let mesh = moved(&sheet_of(4), |p| p * size);
+            let mesh = moved(&flat(4), |p| p * size);
             let view: View = text.parse().unwrap();
             let grid = Grid { width: 160, height: 120, samples: 2 };
             let seen = Visibility::new(&mesh, &view.frame(&mesh, grid.aspect()), grid).unwrap();
@@ -205,7 +205,7 @@ fn what_is_seen_depends_on_nothing_but_the_shape() {
 
 #[test]
 fn picking_finds_the_point_under_the_pixel() {
-    let mesh = sheet_of(8);
+    let mesh = flat(8);
     let grid = Grid { width: 200, height: 100, samples: 3 };
     let view: View = "front,fov=0".parse().unwrap();
     let camera = view.frame(&mesh, grid.aspect());
@@ -224,7 +224,7 @@ fn picking_finds_the_point_under_the_pixel() {
 
 #[test]
 fn impossible_sizes_are_refused() {
-    let mesh = sheet_of(1);
+    let mesh = flat(1);
     let camera = View::default().frame(&mesh, 1.0);
     for (width, height, samples) in [(0, 10, 1), (10, 10, 0), (40_000, 1, 1), (30_000, 30_000, 1), (u32::MAX, u32::MAX, u32::MAX)] {
         assert!(Visibility::new(&mesh, &camera, Grid { width, height, samples }).is_err(), "{width}x{height}x{samples}");

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
-use crate::common::{plain, sheet_of};
+use crate::common::{flat, plain};
 use glam::{DVec2, Vec2, Vec3};
 use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
 use lapped::field::{Guide, TangentField};
@@ -73,7 +73,7 @@ fn spread([r, g, b]: [i32; 3]) -> i32 {
 
 #[test]
 fn an_exact_paste_is_neutral_a_squeezed_one_warm_a_drawn_out_one_cool() {
-    let mesh = sheet_of(8);
+    let mesh = flat(8);
     let guide = field(&mesh, 2.0);
     let middle = |width: f32| at(&show(&mesh, &pasted(&mesh, &[(Vec2::ZERO, width)]), &guide, PreviewStyle::Stretch), 0.1, 0.2);
     assert!(spread(middle(2.0)) < 12, "as asked: {:?}", middle(2.0));
@@ -90,7 +90,7 @@ fn an_exact_paste_is_neutral_a_squeezed_one_warm_a_drawn_out_one_cool() {
 
 #[test]
 fn coverage_shows_bare_surface_and_counts_draws() {
-    let mesh = sheet_of(8);
+    let mesh = flat(8);
     let guide = field(&mesh, 2.0);
     let picture = |n: usize| show(&mesh, &pasted(&mesh, &vec![(Vec2::ZERO, 2.0); n]), &guide, PreviewStyle::Coverage);
     let brightness: Vec<i32> = (1..9).map(|n| at(&picture(n), 0.1, 0.2).iter().sum()).collect();
@@ -105,7 +105,7 @@ fn coverage_shows_bare_surface_and_counts_draws() {
 
 #[test]
 fn pastes_have_colours_of_their_own_and_outlines_only_where_the_topmost_changes() {
-    let mesh = sheet_of(8);
+    let mesh = flat(8);
     let lapped = pasted(&mesh, &[(Vec2::ZERO, 2.0), (Vec2::new(0.5, 0.0), 0.8)]);
     let picture = show(&mesh, &lapped, &field(&mesh, 2.0), PreviewStyle::Pastes);
     let (below, above) = (at(&picture, -0.5, 0.0), at(&picture, 0.5, 0.0));
@@ -124,7 +124,7 @@ fn pastes_have_colours_of_their_own_and_outlines_only_where_the_topmost_changes(
 
 #[test]
 fn wires_lie_on_the_edges() {
-    let mesh = sheet_of(4);
+    let mesh = flat(4);
     let picture = show(&mesh, &LappedTexture::default(), &field(&mesh, 1.0), PreviewStyle::Wireframe);
     let brightness = |x, y| at(&picture, x, y).iter().sum::<i32>();
     for (x, y) in [(0.0, 0.2), (0.5, -0.3), (-0.3, 0.0), (0.25, 0.25)] {
@@ -137,7 +137,7 @@ fn wires_lie_on_the_edges() {
 
 #[test]
 fn a_style_without_its_data_says_what_is_missing() {
-    let mesh = sheet_of(1);
+    let mesh = flat(1);
     let texture = plain(&mesh, Vec3::splat(0.5));
     let isotropic = Guide::Isotropic { scale: vec![1.0; mesh.face_count()] };
     let subject = Subject { mesh: &mesh, texture: &texture, lapped: None, guide: Some(&isotropic) };

@@ -6,7 +6,10 @@ use std::borrow::Cow;
 
 /// Elements without bytes of their own are zeros (sparse accessors may replace some). More than this are refused,
 /// because a few bytes of file could ask for any amount of memory.
-const MOST_IMPLICIT: u64 = 1 << 22;
+pub(crate) const MOST_IMPLICIT: u64 = 1 << 22;
+
+/// Bytes of the largest element, a matrix.
+const LARGEST: usize = 64;
 
 /// A document with its buffers.
 #[derive(Debug)]
@@ -99,12 +102,19 @@ impl<'a> Data<'a> {
 
     /// Whole numbers without sign.
     pub(crate) fn indices(&self, accessor: usize) -> Result<Vec<u32>, Problem> {
-        let a = self.accessor(accessor, 1)?;
+        Ok(self.whole::<1>(accessor)?.into_iter().map(|[index]| index).collect())
+    }
+
+    /// Elements of `N` whole numbers without sign.
+    pub(crate) fn whole<const N: usize>(&self, accessor: usize) -> Result<Vec<[u32; N]>, Problem> {
+        let a = self.accessor(accessor, N)?;
         let component = self.component(accessor, a.component_type)?;
         if component.index(&[0; 4]).is_none() {
             return Err(Problem::damaged(place(accessor), "its component type cannot hold indices"));
         }
-        self.elements(accessor, a, component, 1, |b| component.index(b).unwrap_or_default())
+        let size = component.size() as usize;
+        let decode = |b: &[u8]| std::array::from_fn(|k| component.index(&b[k * size..]).unwrap_or_default());
+        self.elements(accessor, a, component, N, decode)
     }
 
     /// The bytes of a buffer view.
@@ -124,6 +134,7 @@ impl<'a> Data<'a> {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
+            "MAT4" => 16,
             _ => 0,
         };
         if has != components {
@@ -157,7 +168,7 @@ impl<'a> Data<'a> {
             None if a.count > MOST_IMPLICIT => {
                 return Err(Problem::damaged(place(index), format!("it declares {} elements without data", a.count)));
             }
-            None => vec![decode(&[0; 16]); a.count as usize],
+            None => vec![decode(&[0; LARGEST]); a.count as usize],
         };
         if let Some(sparse) = &a.sparse {
             let kind = self.component(index, sparse.indices.component_type)?;

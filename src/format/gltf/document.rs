@@ -4,6 +4,7 @@
 use crate::format::error::Problem;
 use serde::Deserialize;
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 
 macro_rules! parts {
     ($($(#[$about:meta])* $name:ident { $($field:ident: $kind:ty,)* })*) => {$(
@@ -28,6 +29,8 @@ parts! {
         buffers: Vec<Buffer>,
         textures: Vec<Texture>,
         images: Vec<Image>,
+        skins: Vec<Skin>,
+        animations: Vec<Animation>,
         extensions: Map<String, Value>,
         extensions_required: Vec<String>,
     }
@@ -45,19 +48,30 @@ parts! {
         translation: Option<[f64; 3]>,
         rotation: Option<[f64; 4]>,
         scale: Option<[f64; 3]>,
+        weights: Option<Vec<f32>>,
     }
     /// Something of which only the name matters.
     Named { name: Option<String>, }
     /// Primitives that share a name.
-    Mesh { name: Option<String>, primitives: Vec<Primitive>, }
+    Mesh { name: Option<String>, primitives: Vec<Primitive>, weights: Vec<f32>, extras: Value, }
     /// Triangles, lines or points.
     Primitive {
-        attributes: std::collections::BTreeMap<String, usize>,
+        attributes: BTreeMap<String, usize>,
         indices: Option<usize>,
         material: Option<usize>,
         mode: Option<u32>,
-        targets: Vec<Value>,
+        targets: Vec<BTreeMap<String, usize>>,
     }
+    /// Nodes that carry vertices.
+    Skin { joints: Vec<usize>, inverse_bind_matrices: Option<usize>, }
+    /// What is played together.
+    Animation { name: Option<String>, channels: Vec<Channel>, samplers: Vec<Sampler>, }
+    /// What a sampler changes.
+    Channel { sampler: usize, target: ChannelTarget, }
+    /// A property of a node.
+    ChannelTarget { node: Option<usize>, path: String, }
+    /// Numbers over time.
+    Sampler { input: usize, output: usize, interpolation: Option<String>, }
     /// Typed numbers.
     Accessor {
         buffer_view: Option<usize>,

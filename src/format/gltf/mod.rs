@@ -2,11 +2,12 @@
 //!
 //! Read as Khronos specifies, leniently where a rule does not matter to geometry: the whole default scene, node
 //! transforms (mirroring ones turn faces), triangles, strips and fans, sparse and quantised accessors, every index type,
-//! data URIs and external buffers. Skins and morph targets are left at rest with a note.
+//! data URIs and external buffers. Skins, morph targets and animations become a [`crate::format::Motion`].
 
 pub(crate) mod accessor;
 pub(crate) mod document;
 pub(crate) mod glb;
+pub(crate) mod motion;
 pub(crate) mod scene;
 pub(crate) mod uri;
 

@@ -1,10 +1,11 @@
 //! The default scene of a glTF document as one model: node transforms applied, primitives in the order of the scene.
 
 use super::accessor::Data;
-use super::document::{Document, Node, Primitive};
+use super::document::{Document, Primitive};
+use super::motion::{Part, Tree, bound, placement, read_motion};
 use crate::format::error::Problem;
 use crate::format::model::{FaceGroup, MAX_MODEL_FACES, Model};
-use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3, Vec4};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
 
 /// Extensions without which there are no vertices to read.
@@ -29,7 +30,7 @@ pub(crate) fn read_scene(data: &Data<'_>, format: &str) -> Result<Model, Problem
         if std::mem::replace(&mut seen[index], true) {
             return Err(Problem::damaged(place(), "it has two parents or is its own ancestor"));
         }
-        let world = parent * transform(node);
+        let world = parent * placement(node).matrix();
         if let Some(mesh) = node.mesh {
             gather.mesh(index, mesh, world)?;
         }
@@ -54,19 +55,6 @@ fn roots(document: &Document) -> Result<Vec<usize>, Problem> {
         }
     }
     Ok((0..document.nodes.len()).filter(|&n| !child[n]).collect())
-}
-
-fn transform(node: &Node) -> DMat4 {
-    if let Some(matrix) = node.matrix {
-        return DMat4::from_cols_array(&matrix);
-    }
-    let scale = node.scale.map_or(DVec3::ONE, DVec3::from_array);
-    let rotation = node.rotation.map_or(DQuat::IDENTITY, |q| {
-        let q = DQuat::from_array(q);
-        if q.length_squared() > 0.0 { q.normalize() } else { DQuat::IDENTITY }
-    });
-    let translation = node.translation.map_or(DVec3::ZERO, DVec3::from_array);
-    DMat4::from_scale_rotation_translation(scale, rotation, translation)
 }
 
 /// A primitive's own vertices and triangles, nothing applied.
@@ -153,14 +141,18 @@ struct Gather<'a> {
     uvs: Vec<Vec2>,
     colors: Vec<Vec4>,
     skipped: usize,
-    skinned: usize,
-    morphed: usize,
+    tree: Tree,
+    parts: Vec<Part>,
 }
+
+/// What tells a set of vertices from others: attributes and morph targets.
+type VertexKey<'a> = (&'a BTreeMap<String, usize>, &'a [BTreeMap<String, usize>]);
 
 impl<'a> Gather<'a> {
     fn new(data: &'a Data<'a>) -> Self {
         let (normals, uvs, colors) = (Vec::new(), Vec::new(), Vec::new());
-        Self { data, model: Model::default(), normals, uvs, colors, skipped: 0, skinned: 0, morphed: 0 }
+        let tree = Tree::new(data.document);
+        Self { data, model: Model::default(), normals, uvs, colors, skipped: 0, tree, parts: Vec::new() }
     }
 
     fn mesh(&mut self, node: usize, index: usize, world: DMat4) -> Result<(), Problem> {
@@ -168,22 +160,25 @@ impl<'a> Gather<'a> {
         let mesh = document.meshes.get(index).ok_or_else(|| Problem::damaged(format!("node {node}"), "its mesh does not exist"))?;
         let name = |name: &Option<String>| name.clone().unwrap_or_default();
         let object = document.nodes[node].name.clone().or_else(|| mesh.name.clone()).unwrap_or_default();
-        self.skinned += usize::from(document.nodes[node].skin.is_some());
+        // A skinned mesh is where its joints are, whatever it hangs on.
+        let world = document.nodes[node].skin.map_or(Ok(world), |skin| bound(self.data, &self.tree, skin))?;
         // Exporters often let the primitives of a mesh share one set of vertices, a primitive a material.
-        let mut shared: BTreeMap<&BTreeMap<String, usize>, (u32, usize)> = BTreeMap::new();
+        let mut shared: BTreeMap<VertexKey<'_>, (u32, usize)> = BTreeMap::new();
         for (k, primitive) in mesh.primitives.iter().enumerate() {
             let place = format!("mesh {index}, primitive {k}");
-            self.morphed += usize::from(!primitive.targets.is_empty());
             if primitive.mode.is_some_and(|m| m <= 3) {
                 self.skipped += 1;
                 continue;
             }
-            let (base, count) = match shared.get(&primitive.attributes) {
+            let key = (&primitive.attributes, &primitive.targets[..]);
+            let (base, count) = match shared.get(&key) {
                 Some(&known) => known,
                 None => {
                     let base = self.model.positions.len() as u32;
                     let count = self.vertices(read_vertices(self.data, primitive, &place)?, world)?;
-                    shared.insert(&primitive.attributes, (base, count));
+                    shared.insert(key, (base, count));
+                    let vertices = base as usize..base as usize + count;
+                    self.parts.push(Part { node, mesh: index, primitive: k, vertices, to_model: world });
                     (base, count)
                 }
             };
@@ -261,15 +256,10 @@ impl<'a> Gather<'a> {
         if scenes > 1 {
             model.source.notes.push(format!("of {scenes} scenes the default one was read"));
         }
-        for (number, what) in [
-            (self.skipped, "primitives of lines or points were left out"),
-            (self.skinned, "skinned meshes were read without their skeleton"),
-            (self.morphed, "primitives were read without their morph targets"),
-        ] {
-            if number > 0 {
-                model.source.notes.push(format!("{number} {what}"));
-            }
+        if self.skipped > 0 {
+            model.source.notes.push(format!("{} primitives of lines or points were left out", self.skipped));
         }
+        model.motion = read_motion(self.data, &self.tree, &self.parts, count, &mut model.source.notes)?;
         self.normals = Vec::new();
         model.finish(|v| format!("vertex {v} of the scene"))
     }

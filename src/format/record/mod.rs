@@ -4,6 +4,7 @@
 //! Images are PNGs inside the file: colour in 8-bit sRGB, everything else in 8 bits where those are exact and in 16 where
 //! not. Texture coordinates are those of each face's corners over the patch's mask.
 
+mod motion;
 mod read;
 mod write;
 
@@ -73,6 +74,9 @@ impl Record {
         }
         if let Some(f) = field.iter().flatten().position(|t| !t.is_finite()) {
             return fail(&format!("field of face {f}"), "it is NaN or infinite".into());
+        }
+        if let Some(motion) = &model.motion {
+            motion.check(vertices).map_err(|e| ("motion".to_owned(), e.to_string()))?;
         }
         let mut next = 0;
         for (k, group) in model.groups.iter().enumerate() {

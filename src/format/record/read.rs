@@ -5,6 +5,7 @@ use crate::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wr
 use crate::format::error::Problem;
 use crate::format::gltf::accessor::Data;
 use crate::format::gltf::document::Document;
+use crate::format::gltf::motion::{Part, Tree, read_motion};
 use crate::format::gltf::{glb, scene, uri};
 use crate::format::model::{FaceGroup, Model, Source};
 use crate::format::picture::{Transfer, decode};
@@ -160,6 +161,21 @@ fn read_model(data: &Data<'_>, extension: &Extension) -> Result<Model, Problem> 
     let vertices = scene::read_vertices(data, primitive, &place)?;
     let faces = scene::read_triangles(data, primitive, vertices.positions.len(), &place)?;
     let extras = &extension.model;
+    let mut source = extras.source.clone();
+    let vertex_count = vertices.positions.len();
+    let part = |node| Part {
+        node,
+        mesh: extension.mesh,
+        primitive: extension.primitive,
+        vertices: 0..vertex_count,
+        to_model: glam::DMat4::IDENTITY,
+    };
+    let node = data.document.nodes.iter().position(|n| n.mesh == Some(extension.mesh));
+    let parts: Vec<Part> = node.map(part).into_iter().collect();
+    let motion = match parts[..] {
+        [] => None,
+        _ => read_motion(data, &Tree::new(data.document), &parts, vertex_count, &mut source.notes)?,
+    };
     Ok(Model {
         name: extras.name.clone(),
         positions: vertices.positions.into_iter().map(Vec3::from_array).collect(),
@@ -169,7 +185,8 @@ fn read_model(data: &Data<'_>, extension: &Extension) -> Result<Model, Problem> 
         colors: vertices.colors.map(|c| c.into_iter().map(Vec4::from_array).collect()),
         groups: extras.groups.clone(),
         polygons: extras.polygon.map(|a| data.indices(a)).transpose()?,
-        source: extras.source.clone(),
+        motion,
+        source,
     })
 }
 

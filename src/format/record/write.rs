@@ -1,6 +1,7 @@
 //! Record to GLB. Lengths are known beforehand, so the JSON goes first and all numbers are streamed after it: beside the
 //! record itself only the encoded images are held.
 
+use super::motion::Moving;
 use super::{EXTENSION, Record, VERSION};
 use crate::exemplar::{Channel, Exemplar, Image, Wrap};
 use crate::format::FormatError;
@@ -15,11 +16,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Codes of glTF component types.
-const U16: u32 = 5123;
-const U32: u32 = 5125;
-const F32: u32 = 5126;
+pub(super) const U16: u32 = 5123;
+pub(super) const U32: u32 = 5125;
+pub(super) const F32: u32 = 5126;
 /// Codes of glTF buffer targets.
-const VERTICES: u32 = 34962;
+pub(super) const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 
 /// Writes a record as GLB.
@@ -47,11 +48,11 @@ pub fn write_record(path: &Path, record: &Record) -> Result<(), FormatError> {
     })
 }
 
-type Part<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+pub(super) type Part<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 
 /// A GLB under construction: the tables of its JSON and what will write its binary data.
 #[derive(Default)]
-struct Glb<'a> {
+pub(super) struct Glb<'a> {
     parts: Vec<(u64, Part<'a>)>,
     length: u64,
     views: Vec<Value>,
@@ -62,7 +63,7 @@ struct Glb<'a> {
 
 impl<'a> Glb<'a> {
     /// Adds a buffer view of `length` bytes; returns its number.
-    fn view(&mut self, length: u64, target: Option<u32>, part: Part<'a>) -> usize {
+    pub(super) fn view(&mut self, length: u64, target: Option<u32>, part: Part<'a>) -> usize {
         let mut view = json!({ "buffer": 0, "byteOffset": self.length, "byteLength": length });
         if let Some(target) = target {
             view["target"] = target.into();
@@ -74,22 +75,38 @@ impl<'a> Glb<'a> {
     }
 
     /// Adds an accessor and its view; `None` if it is empty, which glTF does not allow.
-    fn accessor(&mut self, shape: Shape, count: usize, part: impl Fn(&mut dyn Write) -> io::Result<()> + 'a) -> Option<usize> {
+    pub(super) fn accessor(
+        &mut self,
+        shape: Shape,
+        count: usize,
+        part: impl Fn(&mut dyn Write) -> io::Result<()> + 'a,
+    ) -> Option<usize> {
         if count == 0 {
             return None;
         }
         let view = self.view(shape.bytes() * count as u64, shape.target, Box::new(part));
-        self.accessors.push(json!({ "bufferView": view, "componentType": shape.component, "count": count, "type": shape.name }));
-        Some(self.accessors.len() - 1)
+        let accessor = json!({ "bufferView": view, "componentType": shape.component, "count": count, "type": shape.name });
+        Some(self.add_accessor(accessor))
     }
 
-    fn vectors<const N: usize>(
+    pub(super) fn add_accessor(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    /// States the least and the greatest of an accessor's numbers.
+    pub(super) fn bound(&mut self, accessor: usize, low: &[f64], high: &[f64]) {
+        self.accessors[accessor]["min"] = json!(low);
+        self.accessors[accessor]["max"] = json!(high);
+    }
+
+    pub(super) fn vectors<const N: usize>(
         &mut self,
         target: Option<u32>,
         count: usize,
         item: impl Fn(usize) -> [f32; N] + 'a,
     ) -> Option<usize> {
-        let name = ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1];
+        let name = if N == 16 { "MAT4" } else { ["SCALAR", "VEC2", "VEC3", "VEC4"][N - 1] };
         self.accessor(Shape { name, component: F32, target }, count, move |out| {
             (0..count).try_for_each(|k| out.write_all(item(k).map(f32::to_le_bytes).as_flattened()))
         })
@@ -222,14 +239,14 @@ impl<'a> Glb<'a> {
         if let Some(accessor) = positions {
             let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
             let (low, high) = model.positions.iter().fold(start, |(lo, hi), &p| (lo.min(p), hi.max(p)));
-            self.accessors[accessor]["min"] = json!(low.as_dvec3().to_array());
-            self.accessors[accessor]["max"] = json!(high.as_dvec3().to_array());
+            self.bound(accessor, &low.as_dvec3().to_array(), &high.as_dvec3().to_array());
         }
         put("POSITION", positions);
         put("NORMAL", model.normals.as_ref().and_then(|n| self.vectors(Some(VERTICES), n.len(), |k| n[k].to_array())));
         put("TEXCOORD_0", model.uvs.as_ref().and_then(|t| self.vectors(Some(VERTICES), t.len(), |k| t[k].to_array())));
         put("COLOR_0", model.colors.as_ref().and_then(|c| self.vectors(Some(VERTICES), c.len(), |k| c[k].to_array())));
         let indices = self.whole(Some(INDICES), model.faces.as_flattened());
+        let moving = model.motion.as_ref().map(|m| self.motion(m, model.positions.len(), &mut attributes));
         let mut document = json!({
             "asset": { "version": "2.0", "generator": record.generator },
             "scene": 0,
@@ -247,6 +264,9 @@ impl<'a> Glb<'a> {
             "extensionsUsed": [EXTENSION],
             "extensions": { EXTENSION: extension },
         });
+        if let Some(moving) = moving {
+            add_motion(&mut document, moving);
+        }
         if !self.textures.is_empty() {
             document["images"] = json!(self.images);
             document["textures"] = json!(self.textures);
@@ -257,11 +277,31 @@ impl<'a> Glb<'a> {
     }
 }
 
+/// Lets the mesh of a document move.
+fn add_motion(document: &mut Value, moving: Moving) {
+    let Moving { nodes, root, skin, animations, targets, weights, names } = moving;
+    document["scenes"][0]["nodes"] = json!([0, root]);
+    document["nodes"][0]["skin"] = json!(0);
+    if let Some(list) = document["nodes"].as_array_mut() {
+        list.extend(nodes);
+    }
+    document["skins"] = json!([skin]);
+    if !animations.is_empty() {
+        document["animations"] = animations.into();
+    }
+    if !targets.is_empty() {
+        let mesh = &mut document["meshes"][0];
+        mesh["primitives"][0]["targets"] = targets.into();
+        mesh["weights"] = json!(weights);
+        mesh["extras"] = json!({ "targetNames": names });
+    }
+}
+
 /// What an accessor holds.
-struct Shape {
-    name: &'static str,
-    component: u32,
-    target: Option<u32>,
+pub(super) struct Shape {
+    pub(super) name: &'static str,
+    pub(super) component: u32,
+    pub(super) target: Option<u32>,
 }
 
 impl Shape {
@@ -271,6 +311,7 @@ impl Shape {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
+            "MAT4" => 16,
             _ => 1,
         };
         components * if self.component == U16 { 2 } else { 4 }

@@ -110,10 +110,21 @@ const DEVICE_NODES: [&str; 5] = ["/dev/dri", "/dev/nvidia0", "/dev/dxg", "/dev/k
 /// write complaints to stderr by themselves.
 #[must_use]
 pub fn has_hardware() -> bool {
-    if cfg!(target_os = "linux") && !DEVICE_NODES.iter().any(|node| std::path::Path::new(node).exists()) {
-        return false;
+    kernel_shows_hardware()
+        && candidates(wgpu::Backends::PRIMARY).first().is_some_and(|best| !AdapterSummary::of(best).is_software())
+}
+
+fn kernel_shows_hardware() -> bool {
+    !cfg!(target_os = "linux") || DEVICE_NODES.iter().any(|node| std::path::Path::new(node).exists())
+}
+
+/// The adapters among which the best one is, best first. OpenGL is not even looked at where it cannot win.
+fn best_candidates() -> Vec<wgpu::Adapter> {
+    let native = candidates(wgpu::Backends::PRIMARY);
+    match native.first() {
+        Some(best) if !kernel_shows_hardware() || !AdapterSummary::of(best).is_software() => native,
+        _ => candidates(wgpu::Backends::all()),
     }
-    candidates(wgpu::Backends::PRIMARY).first().is_some_and(|best| !AdapterSummary::of(best).is_software())
 }
 
 /// Which device to open.
@@ -151,7 +162,7 @@ impl Gpu {
     /// # Errors
     /// If there is no such adapter, or it gives no device.
     pub fn new(options: &GpuOptions) -> Result<Self, GpuError> {
-        let found = candidates(wgpu::Backends::all());
+        let found = if options.adapter.is_some() { candidates(wgpu::Backends::all()) } else { best_candidates() };
         let summaries: Vec<AdapterSummary> = found.iter().map(AdapterSummary::of).collect();
         if found.is_empty() {
             return Err(GpuError::NoAdapter);

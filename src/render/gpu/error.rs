@@ -67,9 +67,15 @@ pub enum GpuError {
         /// How many are needed.
         expected: usize,
     },
-    /// Regions mixed by weights.
-    #[error("regions that mix at soft borders are not drawn on graphics adapters yet: draw with the mode reference")]
-    SoftRegions,
+    /// The adapter cannot show a window.
+    #[error("the graphics adapter {adapter} cannot show this window: open the device on an adapter that can")]
+    Surface {
+        /// The adapter.
+        adapter: String,
+    },
+    /// A window's surface is gone.
+    #[error("the window's surface was lost: make a new one of the window")]
+    SurfaceLost,
     /// The picture cannot be drawn by any renderer.
     #[error(transparent)]
     Picture(#[from] RenderError),

@@ -11,6 +11,9 @@ use crate::render::reference::{Background, DrawOptions};
 use crate::render::shade::Lighting;
 use glam::{DVec2, DVec3, Vec3};
 
+/// The bit among the channels that stands for layers, `LAYERS` in shaders/frame.wgsl.
+const LAYERS: u32 = 31;
+
 /// A frame as the shaders have it: `Frame` in shaders/frame.wgsl.
 #[derive(Debug, Clone)]
 pub(super) struct Frame {
@@ -78,6 +81,12 @@ impl Frame {
     /// Shows relief by parallax, as deep as this many exemplar widths.
     pub(super) fn with_parallax(mut self, depth: f32) -> Self {
         self.parallax = depth.max(0.0);
+        self
+    }
+
+    /// Pastes lie in layers that are mixed by weights.
+    pub(super) fn with_layers(mut self, soft: bool) -> Self {
+        self.channels |= u32::from(soft) << LAYERS;
         self
     }
 

@@ -2,12 +2,15 @@
 //!
 //! A page is a run of faces whose lists fit one binding; a mesh with few pastes has one. Which paste lies over which matters
 //! only among those on the same face, so pages can be drawn one after another, in both ways of drawing.
+//!
+//! Where layers are mixed by weights, a marker stands on top of each layer's pastes on a face: an entry without a paste, with
+//! the layer's weights at the face's corners in place of texture coordinates.
 
 use super::context::Gpu;
 use super::error::GpuError;
 use super::shape::{largest, octahedral, words};
 use crate::mesh::Mesh;
-use crate::paste::{FaceLists, Paste};
+use crate::paste::{FaceLists, LappedTexture, Layer, Paste};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -17,6 +20,42 @@ use wgpu::util::DeviceExt;
 const ENTRY_WORDS: usize = 8;
 /// Bytes that a face takes in the largest of the tables that grow with faces.
 const FACE_BYTES: u64 = 12;
+
+/// What stands for the paste in a layer's marker, as in shaders/paste.wgsl.
+const MARKER: u32 = u32::MAX;
+
+/// The layers of a lapped texture, if any are mixed by weights.
+struct Soft<'a> {
+    layers: &'a [Layer],
+    /// One past the last paste of each.
+    ends: Vec<u32>,
+}
+
+impl<'a> Soft<'a> {
+    fn new(layers: &'a [Layer]) -> Option<Self> {
+        let add = |end: &mut u32, layer: &Layer| {
+            *end += layer.pastes;
+            Some(*end)
+        };
+        let soft = layers.iter().any(|layer| !layer.weights.is_empty());
+        soft.then(|| Self { layers, ends: layers.iter().scan(0, add).collect() })
+    }
+
+    fn layer(&self, paste: u32) -> usize {
+        self.ends.partition_point(|&end| end <= paste)
+    }
+
+    /// The runs of a face's list that belong to one layer.
+    fn runs<'l>(&'l self, list: &'l [(u32, u32)]) -> impl Iterator<Item = &'l [(u32, u32)]> {
+        list.chunk_by(|a, b| self.layer(a.0) == self.layer(b.0))
+    }
+
+    fn marker(&self, face: u32, paste: u32) -> [u32; ENTRY_WORDS] {
+        let weights = self.layers.get(self.layer(paste)).and_then(|l| l.weights.get(face as usize)).copied().unwrap_or([1.0; 3]);
+        let [a, b, c] = weights.map(f32::to_bits);
+        [MARKER, 0, a, b, c, 0, 0, 0]
+    }
+}
 
 /// A run of faces with their pastes.
 #[derive(Debug)]
@@ -36,6 +75,21 @@ pub(super) struct Page {
 pub(super) struct Lists {
     pub(super) pages: Vec<Page>,
     pub(super) pastes: wgpu::Buffer,
+    /// Layers are mixed by weights, so there are markers.
+    pub(super) soft: bool,
+}
+
+/// Where each face's list begins if layers have markers.
+fn with_markers(lists: &FaceLists, soft: &Soft<'_>) -> Vec<u32> {
+    let faces = lists.start.len().saturating_sub(1) as u32;
+    let length = |face: u32| (lists.of(face).len() + soft.runs(lists.of(face)).count()) as u32;
+    let lengths: Vec<u32> = (0..faces).into_par_iter().map(length).collect();
+    let mut sum = 0;
+    let add = |length: u32| {
+        sum += length;
+        sum
+    };
+    std::iter::once(0).chain(lengths.into_iter().map(add)).collect()
 }
 
 impl Lists {
@@ -44,12 +98,20 @@ impl Lists {
         layout: &wgpu::BindGroupLayout,
         mesh: &Mesh,
         normals: &[[Vec3; 3]],
-        pastes: &[Paste],
+        lapped: &LappedTexture,
     ) -> Result<Self, GpuError> {
+        let pastes = &lapped.pastes;
         let lists = FaceLists::new(mesh.face_count(), pastes);
+        let soft = Soft::new(&lapped.layers);
+        let start = match &soft {
+            None => lists.start.clone(),
+            Some(soft) => with_markers(&lists, soft),
+        };
         let mut pages = Vec::new();
-        for faces in split(&lists.start, largest(gpu))? {
-            pages.push(Page::new(gpu, layout, mesh, &normals[faces.start as usize..faces.end as usize], pastes, &lists, faces));
+        for faces in split(&start, largest(gpu))? {
+            let range = faces.start as usize..faces.end as usize;
+            let starts = start[range.start..=range.end].iter().map(|s| s - start[range.start]).collect();
+            pages.push(Page::new(gpu, layout, mesh, &normals[range], pastes, &lists, soft.as_ref(), starts, faces));
             // Each page's tables go to the device before the next ones are made, so that memory holds one page at a time.
             gpu.queue.submit([]);
         }
@@ -60,7 +122,7 @@ impl Lists {
             let what = "the pastes take more bytes than one binding".to_owned();
             return Err(GpuError::Limit { what, needs, has: largest(gpu), remedy: "paste at a larger scale" });
         }
-        Ok(Self { pages, pastes: words(gpu, "pastes", bytemuck::cast_slice(&table)) })
+        Ok(Self { pages, pastes: words(gpu, "pastes", bytemuck::cast_slice(&table)), soft: soft.is_some() })
     }
 
     /// New smooth normals at the corners of all faces.
@@ -77,6 +139,7 @@ impl Lists {
 }
 
 impl Page {
+    #[allow(clippy::too_many_arguments, reason = "all the tables that a page is cut from")]
     fn new(
         gpu: &Gpu,
         layout: &wgpu::BindGroupLayout,
@@ -84,11 +147,11 @@ impl Page {
         normals: &[[Vec3; 3]],
         pastes: &[Paste],
         lists: &FaceLists,
+        soft: Option<&Soft<'_>>,
+        starts: Vec<u32>,
         faces: Range<u32>,
     ) -> Self {
         let range = faces.start as usize..faces.end as usize;
-        let base = lists.start[range.start];
-        let starts: Vec<u32> = lists.start[range.start..=range.end].iter().map(|s| s - base).collect();
         let of_faces: Vec<Vec<u32>> = range
             .clone()
             .into_par_iter()
@@ -98,12 +161,23 @@ impl Page {
                     let uv = [a.x, a.y, b.x, b.y, c.x, c.y].map(f32::to_bits);
                     [[paste, (face - range.start) as u32].as_slice(), &uv].concat()
                 };
-                lists.of(face as u32).iter().flat_map(entry).collect()
+                let list = lists.of(face as u32);
+                match soft {
+                    None => list.iter().flat_map(entry).collect(),
+                    Some(soft) => {
+                        let marked = |run: &[(u32, u32)]| {
+                            let marker = soft.marker(face as u32, run[0].0);
+                            run.iter().flat_map(entry).chain(marker).collect::<Vec<u32>>()
+                        };
+                        soft.runs(list).flat_map(marked).collect()
+                    }
+                }
             })
             .collect();
         let entries = of_faces.concat();
-        let count = entries.len() / ENTRY_WORDS;
-        let mut order: Vec<u32> = (0..count as u32).collect();
+        let all = 0..(entries.len() / ENTRY_WORDS) as u32;
+        let mut order: Vec<u32> = all.filter(|&e| entries[e as usize * ENTRY_WORDS] != MARKER).collect();
+        let count = order.len();
         order.par_sort_unstable_by_key(|&e| (entries[e as usize * ENTRY_WORDS], e));
 
         let corners = words(gpu, "faces", bytemuck::cast_slice(&mesh.faces[range]));

@@ -157,8 +157,8 @@ fn upload_exemplars<'g>(
                         // As `Texel::empty` has them.
                         Channel::Roughness => (Code::Plain, 204),
                         Channel::Metallic => (Code::Plain, 0),
-                        Channel::Height => (Code::Plain, 128),
-                        Channel::Occlusion | Channel::Opacity => (Code::Plain, 255),
+                        // Height at the surface: without heights nothing is shifted.
+                        Channel::Height | Channel::Occlusion | Channel::Opacity => (Code::Plain, 255),
                     };
                     let bytes = [at, channel.components()];
                     at += channel.components();

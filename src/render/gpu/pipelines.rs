@@ -11,16 +11,19 @@ pub mod shaders {
     pub const PASTE: &str = include_str!("../../../shaders/paste.wgsl");
     /// How light meets the surface.
     pub const SHADE: &str = include_str!("../../../shaders/shade.wgsl");
+    /// One triangle over everything.
+    pub const FULL: &str = include_str!("../../../shaders/full.wgsl");
     /// Every pass: its name and the texts it is made of.
-    pub const PASSES: [(&str, &[&str]); 8] = [
+    pub const PASSES: [(&str, &[&str]); 9] = [
         ("single", &[FRAME, PASTE, SHADE, include_str!("../../../shaders/single.wgsl")]),
         ("depth", &[FRAME, include_str!("../../../shaders/depth.wgsl")]),
         ("layered", &[FRAME, PASTE, include_str!("../../../shaders/layered.wgsl")]),
         ("light", &[FRAME, SHADE, include_str!("../../../shaders/light.wgsl")]),
         ("points", &[FRAME, include_str!("../../../shaders/points.wgsl")]),
-        ("obscure", &[FRAME, include_str!("../../../shaders/obscure.wgsl")]),
-        ("smooth", &[FRAME, include_str!("../../../shaders/smooth.wgsl")]),
-        ("finish", &[FRAME, include_str!("../../../shaders/finish.wgsl")]),
+        ("obscure", &[FRAME, FULL, include_str!("../../../shaders/obscure.wgsl")]),
+        ("smooth", &[FRAME, FULL, include_str!("../../../shaders/smooth.wgsl")]),
+        ("finish", &[FRAME, FULL, include_str!("../../../shaders/finish.wgsl")]),
+        ("coverage", &[include_str!("../../../shaders/coverage.wgsl")]),
     ];
 }
 
@@ -117,6 +120,13 @@ pub(super) struct Onto<'a> {
     pub(super) samples: u32,
 }
 
+/// The shader of a pass.
+pub(super) fn module(gpu: &Gpu, name: &'static str) -> wgpu::ShaderModule {
+    let text = shaders::PASSES.iter().find(|(n, _)| *n == name).map(|(_, parts)| parts.concat()).unwrap_or_default();
+    let source = wgpu::ShaderSource::Wgsl(text.into());
+    gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
+}
+
 /// A pass's shader with the bindings it uses.
 #[derive(Debug)]
 pub(super) struct Pass {
@@ -127,9 +137,7 @@ pub(super) struct Pass {
 
 impl Pass {
     pub(super) fn new(gpu: &Gpu, name: &'static str, groups: [Option<&wgpu::BindGroupLayout>; 4]) -> Self {
-        let text = shaders::PASSES.iter().find(|(n, _)| *n == name).map(|(_, parts)| parts.concat()).unwrap_or_default();
-        let source = wgpu::ShaderSource::Wgsl(text.into());
-        let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source });
+        let module = module(gpu, name);
         let descriptor = wgpu::PipelineLayoutDescriptor { label: Some(name), bind_group_layouts: &groups, immediate_size: 0 };
         Self { name, module, layout: gpu.device.create_pipeline_layout(&descriptor) }
     }

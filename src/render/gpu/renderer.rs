@@ -86,7 +86,8 @@ impl Renderer {
     }
 
     pub(super) fn frame(&self, subject: &Subject, camera: &Camera, grid: Grid, options: &DrawOptions) -> Frame {
-        Frame::new(&subject.shape, subject.patches.channels, camera, grid, options).with_parallax(self.options.parallax)
+        let frame = Frame::new(&subject.shape, subject.patches.channels, camera, grid, options);
+        frame.with_parallax(self.options.parallax).with_layers(subject.lists.soft)
     }
 
     /// What all passes of a frame are given.

@@ -27,14 +27,11 @@ impl Renderer {
     /// Brings a lapped texture and the mesh it lies on to the device. Without pastes the bare mesh is drawn.
     ///
     /// # Errors
-    /// If it does not fit the device, or has regions that are mixed by weights.
+    /// If it does not fit the device.
     pub fn load(&self, stage: &Stage<'_>, lapped: &LappedTexture) -> Result<Subject, GpuError> {
-        if lapped.layers.iter().any(|layer| !layer.weights.is_empty()) {
-            return Err(GpuError::SoftRegions);
-        }
         let patches = Arc::new(self.load_patches(&lapped.exemplars, &lapped.patches)?);
         let shape = Shape::new(&self.gpu, stage.mesh)?;
-        let lists = Lists::new(&self.gpu, &self.layouts.page, stage.mesh, stage.normals(), &lapped.pastes)?;
+        let lists = Lists::new(&self.gpu, &self.layouts.page, stage.mesh, stage.normals(), lapped)?;
         let named = lapped.pastes.iter().map(|p| usize::from(p.patch) + 1).max().unwrap_or(0);
         self.gpu.check()?;
         let mut subject = Subject { shape, lists, patches: Arc::clone(&patches), named };

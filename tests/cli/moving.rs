@@ -1,0 +1,72 @@
+//! Models that move, on the command line: pasted, drawn at a moment, played.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+use crate::glb::bending;
+use crate::program::{Place, text};
+
+fn runs(place: &Place, args: &[&str]) {
+    let out = place.run(args);
+    assert_eq!(out.status.code(), Some(0), "{args:?}: {}", text(&out.stderr));
+}
+
+fn told(place: &Place, args: &[&str], code: i32) -> String {
+    let out = place.run(args);
+    assert_eq!(out.status.code(), Some(code), "{args:?}: {}", text(&out.stderr));
+    text(&out.stderr)
+}
+
+/// A place with a tail that bends, and a record of it.
+fn tail() -> Place {
+    let place = Place::new();
+    let (gltf, rest) = bending(10, 12);
+    place.write("tail.glb", gltf.glb(rest));
+    runs(&place, &["paste", "tail.glb", "wood.png", "-o", "a.glb", "--ratio", "10", "--quiet"]);
+    place
+}
+
+#[test]
+fn a_record_of_a_model_that_moves_is_drawn_at_a_moment_or_played() {
+    let place = tail();
+    let draw = |model: &str, out: &str, extra: &[&str]| {
+        let args = ["render", model, "-o", out, "--size", "60x60", "--samples", "1", "--camera", "front", "--mode", "reference"];
+        runs(&place, &[&args, extra].concat());
+    };
+    let picture = |file: &str| image::open(place.path(file)).unwrap().into_rgba8();
+    draw("a.glb", "out/rest.png", &[]);
+    for (time, extra) in [("0", &[][..]), ("1", &["--animation", "bend"]), ("1.5", &["--animation", "0"])] {
+        draw("a.glb", &format!("out/{time}.png"), &[&["--time", time], extra].concat());
+    }
+    // In steps of 1/255 over the whole picture.
+    let apart = |a: &str, b: &str| -> u64 {
+        let (a, b) = (picture(a), picture(b));
+        a.as_raw().iter().zip(b.as_raw()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum()
+    };
+    assert!(apart("out/rest.png", "out/0.png") < 2000, "it begins at rest");
+    assert!(apart("out/0.png", "out/1.png") > 20_000, "and bends");
+    draw("tail.glb", "out/bare.png", &["--time", "1", "--transparent"]);
+    let bare = picture("out/bare.png");
+    assert!(bare.pixels().any(|p| p[3] == 255), "a bare mesh moves too");
+    draw("a.glb", "out/play", &["--play"]);
+    assert_eq!(place.files("out/play").len(), 48, "two seconds, 24 pictures each");
+    let frame = |k: usize| format!("out/play/{k:04}.png");
+    assert!(apart(&frame(12), &frame(36)) < 2000, "it goes back the way it came, before one camera");
+    assert!(apart(&frame(0), &frame(24)) > 20_000, "and moves between");
+    draw("a.glb", "out/play.apng", &["--play", "--transparent"]);
+    let file = std::fs::read(place.path("out/play.apng")).unwrap();
+    assert!(file.windows(4).any(|w| w == b"acTL"), "or an animated PNG");
+}
+
+#[test]
+fn what_cannot_be_played_is_told() {
+    let place = tail();
+    let render = |model, extra: &[&'static str], code| told(&place, &[&["render", model, "-o", "out/a.png"], extra].concat(), code);
+    assert!(render("mesh.obj", &["--time", "1"], 1).contains("no animation"), "nothing moves");
+    assert!(render("a.glb", &["--time", "1", "--animation", "walk"], 1).contains("\"bend\""), "the ones there are");
+    assert!(render("a.glb", &["--animation", "bend"], 1).contains("--play"), "a name alone");
+    assert!(render("a.glb", &["--time", "1", "--style", "stretch"], 1).contains("--time"), "a style of the rest pose");
+    assert!(render("a.glb", &["--play", "--style", "pastes"], 1).contains("texture"), "a style that is not played");
+    assert!(render("a.glb", &["--play", "--turntable", "9"], 2).contains("--turntable"), "one or the other");
+    assert!(render("a.glb", &["--time", "-1"], 2).contains("0 or more"), "before the begin");
+    assert!(place.files("out").is_empty(), "and nothing is left behind");
+}
