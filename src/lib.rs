@@ -31,6 +31,7 @@
 //! ```
 
 pub mod assets;
+pub mod atlas;
 pub mod cli;
 pub mod exemplar;
 pub mod field;

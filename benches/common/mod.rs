@@ -1,5 +1,7 @@
 //! What the benches share: the meshes of four sizes, and the peak of memory.
 
+#![allow(dead_code, reason = "no bench needs all of it")]
+
 use glam::Vec3;
 use lapped::format::Model;
 use lapped::mesh::{CleanOptions, Mesh, clean};

@@ -32,11 +32,11 @@ impl Brush {
         if !texture && matches!(args.mode, Mode::Single | Mode::Layered) {
             anyhow::bail!("the style {} is drawn on the processor: leave out --mode, or ask for reference", args.style);
         }
-        if args.mode == Mode::Reference && args.adapter.is_some() {
-            anyhow::bail!("the mode reference uses no graphics adapter: leave out --adapter, or ask for another mode");
+        if matches!(args.mode, Mode::Reference | Mode::Atlas) && args.adapter.is_some() {
+            anyhow::bail!("the modes reference and atlas use no graphics adapter: leave out --adapter, or ask for another mode");
         }
         match args.mode {
-            Mode::Reference => Ok(Self::Reference(args.parallax)),
+            Mode::Reference | Mode::Atlas => Ok(Self::Reference(args.parallax)),
             Mode::Auto if !texture => Ok(Self::Reference(args.parallax)),
             mode => Self::graphics(mode, args),
         }

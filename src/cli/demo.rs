@@ -6,7 +6,8 @@ use crate::assets::{exemplar, mesh};
 use crate::exemplar::PatchSource;
 use crate::exemplar::PatchSpec;
 use crate::format::{check_output, write_record};
-use crate::job::{ExemplarInput, JobReport, PasteJob, Scale, Steer, paste_model};
+use crate::job::bake::default_size;
+use crate::job::{BakeJob, Bound, ExemplarInput, JobReport, PasteJob, Scale, Steer, bake_record, paste_model};
 use crate::paste::Composite;
 use crate::render::{Picture, PreviewStyle, Subject, UpAxis, View, preview};
 use anyhow::Context;
@@ -20,7 +21,7 @@ use std::time::Instant;
 /// Arguments of `lapped demo`.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Writes for each model a record (.glb, opens in any glTF tool and in `lapped render`), a sheet of four views (.png), pictures \
+Writes for each model a record with its bake (.glb, opens in any glTF tool and in `lapped render`), a sheet of four views (.png), pictures \
 of the method at work on the first one, gallery.png with all of them, and report.json.")]
 pub struct DemoArgs {
     /// Folder to write to
@@ -161,8 +162,11 @@ fn one(args: &DemoArgs, show: &Show, explain: bool, bar: &Bar) -> anyhow::Result
     };
     let pasted = paste_model(&model, inputs, &job, bar)?;
     let file = |suffix: &str| args.output.join(format!("{}{suffix}", show.name));
-    write_record(&file(".glb"), &pasted.record)?;
     let texture = Composite::new(&pasted.mesh, &pasted.lapped);
+    let bound = Bound::new(pasted.record.clone())?;
+    let size = default_size(&bound.mesh, &bound.lapped);
+    let (record, ..) = bake_record(pasted.record, &bound, &BakeJob::sized(size), bar)?;
+    write_record(&file(".glb"), &record)?;
     let subject = Subject { mesh: &pasted.mesh, texture: &texture, lapped: Some(&pasted.lapped), guide: Some(&pasted.guide) };
     let sheet = picture::views(None, [SHEET; 2], 2, false, UpAxis::Y);
     picture::save(&file(".png"), &preview(&subject, PreviewStyle::Texture, &sheet)?)?;

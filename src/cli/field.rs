@@ -1,11 +1,11 @@
 //! `lapped field`: n directions at each face of a mesh, smooth, along curvature or creases, or through constraints.
 
 use super::bar::Bar;
-use super::mesh_output::{self, Kind};
 use super::{Common, report};
 use crate::field::nway::align::{constraints, creases, least_curvature};
 use crate::field::nway::{Combed, NWayOptions, NWaySingularity, NWaySolver, NWayStatistics, Over, Start, comb};
 use crate::field::{Constraints, DEFAULT_RATIO, default_scale};
+use crate::format::export::{Kind, write_mesh};
 use crate::format::{check_output, read_file, read_model, write_file};
 use crate::mesh::curvature::curvature;
 use crate::mesh::{CleanOptions, CleanReport, Mesh, clean};
@@ -131,7 +131,7 @@ pub fn run(args: &FieldArgs) -> anyhow::Result<()> {
     if arrows {
         let directions = solver.directions(&found);
         let (shown, along) = arrow_mesh(mesh, &field.up, &directions, args.ways, scale);
-        mesh_output::write(&args.output, Kind::Glb, &model.name, &shown, Some(along))?;
+        write_mesh(&args.output, Kind::Glb, &model.name, &shown, Some(along))?;
     } else {
         let text = field.to_json()?;
         write_file(&args.output, |out| out.write_all(text.as_bytes()))?;

@@ -3,6 +3,7 @@
 //! Results go to stdout, talk to stderr. Exit codes: 0 done, 1 an error in the input or the job, 2 wrong usage, 130
 //! interrupted.
 
+pub mod bake;
 pub mod bar;
 mod brush;
 pub mod channels;
@@ -10,7 +11,6 @@ pub mod demo;
 pub mod field;
 pub mod inspect;
 pub mod job_file;
-mod mesh_output;
 pub mod paste;
 pub mod picture;
 pub mod region;
@@ -51,6 +51,8 @@ enum Command {
     Demo(demo::DemoArgs),
     /// Cover a mesh with overlapping pastes of example images
     Paste(Box<paste::PasteArgs>),
+    /// Bake a record's texture into an atlas that any tool opens
+    Bake(bake::BakeArgs),
     /// Draw a record, or a plain mesh
     Render(render::RenderArgs),
     /// Give a mesh another number of vertices, evenly spread
@@ -107,6 +109,7 @@ pub fn run(cli: Cli) -> ExitCode {
     let done = match &cli.command {
         Command::Demo(args) => with_threads(&args.common, || demo::run(args)),
         Command::Paste(args) => with_threads(&args.common, || paste::run(args)),
+        Command::Bake(args) => with_threads(&args.common, || bake::run(args)),
         Command::Render(args) => with_threads(&args.common, || render::run(args)),
         Command::Retile(args) => with_threads(&args.common, || retile::run(args)),
         Command::Field(args) => with_threads(&args.common, || field::run(args)),

@@ -1,5 +1,6 @@
 //! `lapped paste`: a mesh and exemplars in, a record with pastes out.
 
+use super::bake::{AtlasArgs, baked, in_words};
 use super::bar::Bar;
 use super::job_file::{self, JobRegion};
 use super::picture::{self, Size};
@@ -7,7 +8,7 @@ use super::region::RegionArgs;
 use super::{Common, report};
 use crate::exemplar::Channel;
 use crate::format::{check_output, read_model, write_record};
-use crate::job::{JobError, JobReport, PasteJob, Pasted, Region, available_memory, paste_regions};
+use crate::job::{BakeReport, Bound, JobError, JobReport, PasteJob, Pasted, Region, available_memory, paste_regions};
 use crate::mesh::CleanOptions;
 use crate::paste::{Composite, Coverage, PasteError};
 use crate::render::{PreviewStyle, Subject, View, preview};
@@ -34,6 +35,9 @@ Examples:
   Bricks on the faces of one material only, and a whole model in one run from a job file:
       lapped paste house.glb bricks.png -o house-lapped.glb --where material=wall --border 0.1
       lapped paste house.glb --job house.toml -o house-lapped.glb
+  A larger bake with wider gutters, or none at all:
+      lapped paste rock.ply moss.jpg -o rock.glb --size 4096 --mips 4
+      lapped paste rock.ply moss.jpg -o rock.glb --no-bake
   What the method did:
       lapped paste bunny.obj scales.png -o bunny.glb --preview p.png --preview-style pastes --report r.json")]
 pub struct PasteArgs {
@@ -67,6 +71,13 @@ pub struct PasteArgs {
     /// Refuse jobs that would take more memory than this, like 500M or 8G [default: what is free]
     #[arg(long, value_name = "BYTES", value_parser = bytes, help_heading = "Method")]
     pub memory: Option<f64>,
+
+    /// Write the pastes alone: other tools then show a grey model
+    #[arg(long, help_heading = "Baking")]
+    pub no_bake: bool,
+    /// See [`AtlasArgs`].
+    #[command(flatten)]
+    pub atlas: AtlasArgs,
 
     /// Also draw the result: four views on one sheet
     #[arg(long, value_name = "FILE.png", help_heading = "Pictures")]
@@ -151,6 +162,7 @@ struct RunReport<'a> {
     threads: usize,
     #[serde(flatten)]
     job: &'a JobReport,
+    bake: Option<BakeReport>,
     seconds: RunSeconds,
     peak_memory_bytes: Option<u64>,
 }
@@ -159,6 +171,7 @@ struct RunReport<'a> {
 struct RunSeconds {
     read: f64,
     job: f64,
+    bake: f64,
     write: f64,
     preview: f64,
     total: f64,
@@ -197,6 +210,18 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
 
     let start = Instant::now();
     pasted.record.job = describe(args, &pasted);
+    let mut bake = None;
+    if !args.no_bake {
+        let name = || args.mesh.display().to_string();
+        let record = std::mem::take(&mut pasted.record);
+        let bound = Bound::new(record.clone()).with_context(name)?;
+        let (record, _, report) = baked(record, &bound, &args.atlas, &bar).with_context(name)?;
+        bar.finish();
+        pasted.record = record;
+        bake = Some(report);
+    }
+    seconds.bake = start.elapsed().as_secs_f64();
+    let start = Instant::now();
     write_record(&args.output, &pasted.record)?;
     seconds.write = start.elapsed().as_secs_f64();
 
@@ -206,7 +231,7 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
         seconds.preview = start.elapsed().as_secs_f64();
     }
     seconds.total = begin.elapsed().as_secs_f64();
-    summary(args, &pasted, seconds.total);
+    summary(args, &pasted, bake.as_ref(), seconds.total);
     if let Some(path) = &args.common.report {
         let report = RunReport {
             command: "paste",
@@ -216,6 +241,7 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
             output: args.output.display().to_string(),
             threads: rayon::current_num_threads(),
             job: &pasted.report,
+            bake,
             seconds,
             peak_memory_bytes: report::peak_memory(),
         };
@@ -307,8 +333,8 @@ fn draw(args: &PasteArgs, pasted: &Pasted, path: &Path) -> anyhow::Result<()> {
     picture::save(path, &preview(&subject, args.preview_style, &options)?)
 }
 
-/// The result in two lines on stdout.
-fn summary(args: &PasteArgs, pasted: &Pasted, seconds: f64) {
+/// The result in two lines on stdout, or three.
+fn summary(args: &PasteArgs, pasted: &Pasted, bake: Option<&BakeReport>, seconds: f64) {
     use std::io::Write;
     let Pasted { report, lapped, .. } = pasted;
     let p = &report.paste;
@@ -326,5 +352,8 @@ fn summary(args: &PasteArgs, pasted: &Pasted, seconds: f64) {
     );
     if !args.common.quiet {
         let _ = writeln!(std::io::stdout(), "{text}");
+        if let Some(bake) = bake {
+            let _ = writeln!(std::io::stdout(), "{}", in_words(bake));
+        }
     }
 }

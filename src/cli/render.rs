@@ -3,16 +3,20 @@
 use super::brush::Brush;
 use super::picture::{self, Size};
 use super::{Common, report};
+use crate::atlas::AtlasTexture;
 use crate::exemplar::ChannelSet;
 use crate::field::{Guide, TangentField};
-use crate::format::{check_output, holds_record, read_file, read_model_bytes, read_record_bytes, write_file};
+use crate::format::{
+    Look, check_output, holds_record, read_file, read_look_bytes, read_model_bytes, read_record_bytes, write_file,
+};
+use crate::job::bake::LookOnMesh;
 use crate::job::{Bound, Moving};
-use crate::mesh::{CleanOptions, Mesh, SurfacePoint, clean};
+use crate::mesh::{CleanOptions, Cleaned, Mesh, SurfacePoint, clean};
 use crate::paste::{Composite, LappedTexture};
 use crate::render::normals::crease_angle;
 use crate::render::{Grid, Picture, PreviewStyle, SheetOptions, Subject, View, animation};
 use crate::surface::{SurfaceTexture, Texel};
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -30,6 +34,7 @@ Examples:
   lapped render fox.glb -o run.apng --play --animation Run             a model's own animation
   lapped render fox.glb -o fox.png --time 0.4 --camera left
   lapped render bunny.glb -o bunny.png --mode single --adapter vulkan
+  lapped render bunny.glb -o baked.png --mode atlas                    the bake, as other tools show it
   lapped render bunny.glb -o pastes.png --style pastes")]
 pub struct RenderArgs {
     /// A record (GLB written by `lapped paste`), or any mesh
@@ -94,6 +99,8 @@ pub enum Mode {
     Layered,
     /// On the processor, no graphics driver needed
     Reference,
+    /// The baked atlas, as any other tool shows it; on the processor
+    Atlas,
 }
 
 #[derive(Debug, Serialize)]
@@ -118,20 +125,37 @@ struct Shown {
     lapped: Option<LappedTexture>,
     field: Option<TangentField>,
     moving: Option<Moving>,
+    look: Option<(LookOnMesh, Box<Look>)>,
 }
 
 impl Shown {
-    fn read(path: &Path) -> anyhow::Result<Self> {
+    /// What a file holds; a look only for a model that stands still.
+    fn read(path: &Path, mode: Mode, moves: bool) -> anyhow::Result<Self> {
         let name = || path.display().to_string();
         let file = read_file(path, "the record or mesh")?;
-        if holds_record(&file) {
+        let record = holds_record(&file);
+        if mode == Mode::Atlas && moves {
+            bail!("the mode atlas draws models at rest: leave out --time and --play, or choose another --mode");
+        }
+        if mode == Mode::Atlas || (mode == Mode::Auto && !record && !moves) {
+            if let Some((model, look)) = read_look_bytes(path, &file)? {
+                let Cleaned { mesh, user_faces, .. } =
+                    clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?;
+                let on_mesh = LookOnMesh::new(&model, &look, &mesh, &user_faces);
+                return Ok(Self { mesh, lapped: None, field: None, moving: None, look: Some((on_mesh, Box::new(look))) });
+            }
+            if mode == Mode::Atlas {
+                bail!("{}: it has no baked atlas: make one with `lapped bake`, or choose another --mode", path.display());
+            }
+        }
+        if record {
             let Bound { mesh, lapped, field, moving, .. } = Bound::new(read_record_bytes(path, &file)?).with_context(name)?;
-            return Ok(Self { mesh, lapped: Some(lapped), field, moving });
+            return Ok(Self { mesh, lapped: Some(lapped), field, moving, look: None });
         }
         let model = read_model_bytes(path, &file)?;
         let cleaned = clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?;
         let moving = Moving::new(&model, &cleaned).with_context(name)?;
-        Ok(Self { mesh: cleaned.mesh, lapped: None, field: None, moving })
+        Ok(Self { mesh: cleaned.mesh, lapped: None, field: None, moving, look: None })
     }
 }
 
@@ -181,7 +205,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     [output, args.common.report.as_ref()].into_iter().flatten().try_for_each(|p| check_output(p))?;
     let name = || args.model.display().to_string();
     let brush = Brush::new(args)?;
-    let Shown { mut mesh, lapped, field, moving } = Shown::read(&args.model)?;
+    let moves = args.time.is_some() || args.play;
+    let Shown { mut mesh, lapped, field, moving, look } = Shown::read(&args.model, args.mode, moves)?;
+    let brush = if look.is_some() { Brush::Reference(0.0) } else { brush };
     let read_seconds = begin.elapsed().as_secs_f64();
     let up = picture::up_axis(args.up);
     let mut options = picture::views(args.camera, args.size.0, args.samples, args.transparent, up);
@@ -203,7 +229,10 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
                 mesh = moving.at(Some(animation), time).with_context(name)?;
             }
             let guide = field.map(Guide::Directed);
-            let texture = texture_of(&mesh, lapped, args.parallax);
+            let texture: Box<dyn SurfaceTexture + '_> = match look {
+                Some((at, look)) => Box::new(AtlasTexture::new(&mesh, at.uv, at.page, look.pages, at.frames)),
+                None => texture_of(&mesh, lapped, args.parallax),
+            };
             let subject = Subject { mesh: &mesh, texture: texture.as_ref(), lapped, guide: guide.as_ref() };
             match args.turntable {
                 None => vec![brush.sheet(&subject, args.style, &options, &args.common).with_context(name)?],

@@ -1,7 +1,8 @@
 //! `lapped retile`: the same surface with another number of vertices, evenly spread.
 
 use super::bar::Bar;
-use super::{Common, mesh_output, report};
+use super::{Common, report};
+use crate::format::export::{Kind, write_mesh};
 use crate::format::{check_output, read_model};
 use crate::mesh::pyramid::pyramid;
 use crate::mesh::retile::{RetileOptions, RetileStatistics, Retiled, retile};
@@ -63,7 +64,7 @@ struct RunReport {
 /// If a file cannot be read or written, or so many vertices cannot make this surface.
 pub fn run(args: &RetileArgs) -> anyhow::Result<()> {
     let begin = Instant::now();
-    let kind = mesh_output::kind(&args.output)?;
+    let kind = Kind::of(&args.output)?;
     let outputs: Vec<PathBuf> = (0..args.levels).map(|k| level_path(&args.output, k, args.levels)).collect();
     outputs.iter().chain(args.common.report.as_ref()).try_for_each(|p| check_output(p))?;
     if args.crease.is_some_and(|c| !(c > 0.0 && c < 180.0)) {
@@ -91,7 +92,7 @@ pub fn run(args: &RetileArgs) -> anyhow::Result<()> {
     bar.finish();
     let levels = levels.with_context(name)?;
     for (made, path) in levels.iter().zip(&outputs) {
-        mesh_output::write(path, kind, &model.name, &made.mesh, None)?;
+        write_mesh(path, kind, &model.name, &made.mesh, None)?;
         told(args, path, made);
     }
     if let Some(path) = &args.common.report {

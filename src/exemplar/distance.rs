@@ -20,6 +20,38 @@ pub fn squared_distance(seeds: &[bool], width: usize) -> Vec<f32> {
     if width == 0 || !seeds.len().is_multiple_of(width) {
         return Vec::new();
     }
+    let column = column_distance(seeds, width);
+    let mut squared = vec![f32::INFINITY; seeds.len()];
+    squared.par_chunks_mut(width).zip(column.par_chunks(width)).for_each_init(Envelope::default, |envelope, (out, row)| {
+        envelope.build(row);
+        envelope.walk(width, |x, _, squared| out[x] = squared as f32);
+    });
+    squared
+}
+
+/// For each pixel the index of the nearest seed, the one furthest left and up of several; `u32::MAX` everywhere if there is
+/// none. `seeds` holds rows of `width` pixels; a partial last row is an empty result.
+#[must_use]
+pub fn nearest_seed(seeds: &[bool], width: usize) -> Vec<u32> {
+    if width == 0 || !seeds.len().is_multiple_of(width) {
+        return Vec::new();
+    }
+    let column = column_distance(seeds, width);
+    let mut nearest = vec![u32::MAX; seeds.len()];
+    let rows = nearest.par_chunks_mut(width).zip(column.par_chunks(width)).enumerate();
+    rows.for_each_init(Envelope::default, |envelope, (y, (out, row))| {
+        envelope.build(row);
+        envelope.walk(width, |x, from, _| {
+            let away = row[from] as usize;
+            let up = y.checked_sub(away).map(|y| y * width + from).filter(|&i| seeds[i]);
+            out[x] = up.unwrap_or((y + away) * width + from) as u32;
+        });
+    });
+    nearest
+}
+
+/// Rows from each pixel to the nearest seed of its column.
+fn column_distance(seeds: &[bool], width: usize) -> Vec<u32> {
     let mut column: Vec<u32> = seeds.iter().map(|&seed| if seed { 0 } else { NONE }).collect();
     for i in width..column.len() {
         column[i] = column[i].min(column[i - width] + 1);
@@ -27,12 +59,7 @@ pub fn squared_distance(seeds: &[bool], width: usize) -> Vec<f32> {
     for i in (0..column.len().saturating_sub(width)).rev() {
         column[i] = column[i].min(column[i + width] + 1);
     }
-    let mut squared = vec![f32::INFINITY; seeds.len()];
-    squared.par_chunks_mut(width).zip(column.par_chunks(width)).for_each_init(Envelope::default, |envelope, (out, row)| {
-        envelope.build(row);
-        envelope.read(out);
-    });
-    squared
+    column
 }
 
 /// The distance from each pixel's centre to the centre of the nearest seed, in pixels; see [`squared_distance`].
@@ -65,15 +92,16 @@ impl Envelope {
         }
     }
 
-    fn read(&self, out: &mut [f32]) {
+    /// Gives for each pixel of the row the column of its nearest seed and the squared distance.
+    fn walk(&self, width: usize, mut found: impl FnMut(usize, usize, f64)) {
         let mut k = 0;
-        for (x, out) in out.iter_mut().enumerate() {
-            let x = x as f64;
+        for column in 0..width {
+            let x = column as f64;
             while k + 1 < self.0.len() && self.0[k + 1].2 < x {
                 k += 1;
             }
             if let Some(&(x0, height, _)) = self.0.get(k) {
-                *out = ((x - x0) * (x - x0) + height) as f32;
+                found(column, x0 as usize, (x - x0) * (x - x0) + height);
             }
         }
     }
@@ -81,7 +109,7 @@ impl Envelope {
 
 #[cfg(test)]
 mod tests {
-    use super::{distance, squared_distance};
+    use super::{distance, nearest_seed, squared_distance};
     use crate::random::Random;
 
     #[test]
@@ -90,12 +118,19 @@ mod tests {
         for (w, h, density) in [(1, 1, 0.5), (1, 40, 0.1), (40, 1, 0.1), (31, 17, 0.5), (37, 41, 0.02), (64, 48, 0.003)] {
             let seeds: Vec<bool> = (0..w * h).map(|_| random.unit() < density).collect();
             let found = squared_distance(&seeds, w);
+            let nearest = nearest_seed(&seeds, w);
             for (i, &got) in found.iter().enumerate() {
                 let expected = (0..w * h)
                     .filter(|&j| seeds[j])
                     .map(|j| ((j % w).abs_diff(i % w).pow(2) + (j / w).abs_diff(i / w).pow(2)) as f32)
                     .fold(f32::INFINITY, f32::min);
                 assert_eq!(got, expected, "{w}x{h} density {density}, pixel {}, {}", i % w, i / w);
+                let seed = nearest[i] as usize;
+                let away = seeds
+                    .get(seed)
+                    .filter(|&&s| s)
+                    .map_or(f32::INFINITY, |_| ((seed % w).abs_diff(i % w).pow(2) + (seed / w).abs_diff(i / w).pow(2)) as f32);
+                assert_eq!(away, expected, "the seed named is one of the nearest");
             }
         }
     }

@@ -4,9 +4,11 @@
 //! file holds and nothing more; [`crate::mesh::clean()`] makes a mesh of it. Readers allocate in proportion to the bytes they
 //! are given, never to a number that a file declares. Everything is written to a temporary file first and then renamed.
 
-mod corners;
+pub(crate) mod corners;
 mod error;
+pub mod export;
 mod gltf;
+mod look;
 mod material;
 mod model;
 pub mod motion;
@@ -20,6 +22,7 @@ mod stl;
 mod text;
 
 pub use error::{FormatError, Warning};
+pub use look::{Look, read_look, read_look_bytes};
 pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_exemplar_bytes, read_mask};
 pub use model::{FaceGroup, Model, Source};
 pub use motion::{Motion, MotionError};

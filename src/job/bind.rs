@@ -172,6 +172,8 @@ pub struct Bound {
     pub moving: Option<Moving>,
     /// What cleaning did to the model.
     pub report: CleanReport,
+    /// Where each face of the model went.
+    pub user_faces: Vec<UserFace>,
 }
 
 impl Bound {
@@ -217,6 +219,6 @@ impl Bound {
         let layers = layers.into_iter().map(weights_inward).collect();
         let lapped = LappedTexture { exemplars, patches, pastes: pastes.into_iter().map(inward).collect(), layers };
         let field = field.map(|f| TangentField::along(first.iter().map(|&user| f[user as usize]).collect()));
-        Ok(Self { mesh, lapped, field, moving, report })
+        Ok(Self { mesh, lapped, field, moving, report, user_faces })
     }
 }

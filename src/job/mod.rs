@@ -6,14 +6,18 @@
 //! to the mesh and the lapped texture on it, ready to be shown; [`Moving`] plays its animations.
 
 pub mod area;
+pub mod bake;
 pub mod bind;
+pub mod displace;
 pub mod estimate;
 pub mod moving;
 pub mod paste;
 pub mod regions;
 
 pub use area::{Area, AreaError, Where};
+pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record};
 pub use bind::Bound;
+pub use displace::{Displace, displace_mesh};
 pub use estimate::{Estimate, Work, available_memory};
 pub use moving::Moving;
 pub use paste::{ExemplarInput, JobError, JobReport, PasteJob, Pasted, Scale, Steer, paste_model};

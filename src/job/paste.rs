@@ -245,6 +245,7 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
         source_face: out.source_face,
         generator: concat!("lapped ", env!("CARGO_PKG_VERSION")).to_owned(),
         job: serde_json::Value::Null,
+        look: None,
     };
     let mesh = fine.map_or(cleaned.mesh, |f| f.mesh);
     Ok(Pasted { record, mesh, lapped, guide, report })

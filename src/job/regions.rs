@@ -96,6 +96,7 @@ pub fn paste_regions(model: &Model, mut regions: Vec<Region>, progress: &dyn Pro
         source_face: None,
         generator: concat!("lapped ", env!("CARGO_PKG_VERSION")).to_owned(),
         job: serde_json::Value::Null,
+        look: None,
     };
     Ok(Pasted { record, mesh: cleaned.mesh, lapped, guide, report })
 }

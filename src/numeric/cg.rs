@@ -19,7 +19,14 @@ impl Jacobi {
     /// From the matrix's diagonal; rows without one are left as they are.
     #[must_use]
     pub fn new(matrix: &Sparse) -> Self {
-        Self(matrix.diagonal().into_iter().map(|d| if d > 0.0 { 1.0 / d } else { 1.0 }).collect())
+        Self::of(matrix.diagonal())
+    }
+
+    /// From a diagonal.
+    #[must_use]
+    pub fn of(mut diagonal: Vec<f64>) -> Self {
+        diagonal.iter_mut().for_each(|d| *d = if *d > 0.0 { 1.0 / *d } else { 1.0 });
+        Self(diagonal)
     }
 }
 

@@ -30,7 +30,7 @@ pub use raster::Visibility;
 pub use reference::{Background, DrawOptions, Stage, draw};
 pub use shade::Lighting;
 pub use sheet::{SEPARATOR, SheetOptions, lay_out, sheet};
-pub use style::{PreviewStyle, Subject, preview};
+pub use style::{ChartColors, PreviewStyle, Subject, preview};
 
 /// Why a picture cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -82,6 +82,7 @@ fn full_record() -> Record {
         lapped: LappedTexture { exemplars: vec![first, second], patches, layers, pastes },
         generator: "lapped test".into(),
         job: serde_json::json!({ "seed": 1, "scale": 0.25 }),
+        look: None,
     }
 }
 

@@ -23,7 +23,7 @@ parts! {
         scenes: Vec<Scene>,
         nodes: Vec<Node>,
         meshes: Vec<Mesh>,
-        materials: Vec<Named>,
+        materials: Vec<Material>,
         accessors: Vec<Accessor>,
         buffer_views: Vec<BufferView>,
         buffers: Vec<Buffer>,
@@ -50,8 +50,16 @@ parts! {
         scale: Option<[f64; 3]>,
         weights: Option<Vec<f32>>,
     }
-    /// Something of which only the name matters.
-    Named { name: Option<String>, }
+    /// How a primitive looks.
+    Material {
+        name: Option<String>,
+        pbr_metallic_roughness: Map<String, Value>,
+        normal_texture: Value,
+        occlusion_texture: Value,
+        emissive_texture: Value,
+        alpha_mode: Option<String>,
+        extras: Map<String, Value>,
+    }
     /// Primitives that share a name.
     Mesh { name: Option<String>, primitives: Vec<Primitive>, weights: Vec<f32>, extras: Value, }
     /// Triangles, lines or points.
@@ -94,8 +102,8 @@ parts! {
     Buffer { uri: Option<String>, byte_length: u64, }
     /// An image with a way of sampling it.
     Texture { source: Option<usize>, }
-    /// An image file within a buffer.
-    Image { buffer_view: Option<usize>, }
+    /// An image file, within a buffer or beside the document.
+    Image { buffer_view: Option<usize>, uri: Option<String>, }
 }
 
 impl Document {

@@ -5,10 +5,13 @@
 //! data URIs and external buffers. Skins, morph targets and animations become a [`crate::format::Motion`].
 
 pub(crate) mod accessor;
+pub(crate) mod build;
 pub(crate) mod document;
 pub(crate) mod glb;
 pub(crate) mod motion;
+mod motion_out;
 pub(crate) mod scene;
+pub(crate) mod scene_out;
 pub(crate) mod uri;
 
 use super::error::Problem;

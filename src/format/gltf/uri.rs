@@ -1,5 +1,6 @@
-//! Where the bytes of glTF buffers come from: the GLB itself, data URIs, and files beside the document.
+//! Where the bytes of glTF buffers and images come from: the GLB itself, data URIs, and files beside the document.
 
+use super::accessor::Data;
 use super::document::Document;
 use crate::format::error::Problem;
 use std::borrow::Cow;
@@ -29,6 +30,21 @@ pub(crate) fn load_buffers<'a>(
         all.push(bytes);
     }
     Ok(all)
+}
+
+/// The bytes of a texture's image file.
+pub(crate) fn load_image<'a>(data: &Data<'a>, texture: usize, folder: Option<&Path>) -> Result<Cow<'a, [u8]>, Problem> {
+    let place = format!("texture {texture}");
+    let image = data.document.textures.get(texture).and_then(|t| t.source).and_then(|s| data.document.images.get(s));
+    let image = image.ok_or_else(|| Problem::damaged(&place, "it has no image"))?;
+    match (&image.buffer_view, &image.uri) {
+        (Some(view), _) => Ok(Cow::Borrowed(data.view(*view)?)),
+        (None, Some(uri)) => match uri.strip_prefix("data:") {
+            Some(bytes) => decode_data(bytes).map(Cow::Owned).ok_or_else(|| Problem::damaged(&place, "its data URI is damaged")),
+            None => Ok(Cow::Owned(read_beside(uri, folder, &place)?)),
+        },
+        (None, None) => Err(Problem::damaged(place, "its image has no data")),
+    }
 }
 
 fn read_beside(uri: &str, folder: Option<&Path>, place: &str) -> Result<Vec<u8>, Problem> {

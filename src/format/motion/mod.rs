@@ -211,6 +211,26 @@ impl Animation {
 }
 
 impl Motion {
+    /// The motion of a model whose vertices are copies of these of its own.
+    #[must_use]
+    pub fn at_vertices(&self, source: &[u32]) -> Self {
+        let influences = |set: &Influences| Influences {
+            joints: source.iter().map(|&v| set.joints[v as usize]).collect(),
+            weights: source.iter().map(|&v| set.weights[v as usize]).collect(),
+        };
+        let target = |target: &Target| {
+            let shift = |&v: &u32| target.vertices.binary_search(&v).ok().map(|k| target.shifts[k]);
+            let (vertices, shifts) =
+                (0..).zip(source).filter_map(|(new, v)| shift(v).map(|shift| (new, shift))).unzip::<u32, Vec3, Vec<_>, Vec<_>>();
+            Target { vertices, shifts, ..target.clone() }
+        };
+        Self {
+            influences: self.influences.iter().map(influences).collect(),
+            targets: self.targets.iter().map(target).collect(),
+            ..self.clone()
+        }
+    }
+
     /// The animation of a name, or of a number from 0.
     ///
     /// # Errors

@@ -4,13 +4,13 @@
 //! Images are PNGs inside the file: colour in 8-bit sRGB, everything else in 8 bits where those are exact and in 16 where
 //! not. Texture coordinates are those of each face's corners over the patch's mask.
 
-mod motion;
 mod read;
 mod write;
 
 pub use read::{holds_record, read_record, read_record_bytes};
 pub use write::write_record;
 
+use super::look::Look;
 use super::model::Model;
 use crate::paste::LappedTexture;
 use glam::Vec3;
@@ -36,6 +36,8 @@ pub struct Record {
     pub generator: String,
     /// How it was made: any JSON, or null.
     pub job: Value,
+    /// A baked atlas for whoever knows nothing of pastes. Written; of a file, [`super::read_look`] reads it.
+    pub look: Option<Look>,
 }
 
 impl Record {
@@ -87,6 +89,9 @@ impl Record {
         }
         if !model.groups.is_empty() && next != faces as u64 {
             return fail("groups", format!("they hold {next} of {faces} faces"));
+        }
+        if let Some(look) = &self.look {
+            look.check(vertices, faces)?;
         }
         check_lapped(lapped, faces)
     }

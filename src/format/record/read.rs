@@ -6,6 +6,7 @@ use crate::format::error::Problem;
 use crate::format::gltf::accessor::Data;
 use crate::format::gltf::document::Document;
 use crate::format::gltf::motion::{Part, Tree, read_motion};
+use crate::format::gltf::scene_out::OWN_COLOR;
 use crate::format::gltf::{glb, scene, uri};
 use crate::format::model::{FaceGroup, Model, Source};
 use crate::format::picture::{Transfer, decode};
@@ -61,6 +62,8 @@ struct Extension {
     pastes: PasteTables,
     #[serde(default)]
     layers: Vec<LayerEntry>,
+    #[serde(default)]
+    baked: bool,
     #[serde(default)]
     job: Value,
 }
@@ -148,6 +151,7 @@ fn parse(file: &[u8], folder: Option<&Path>) -> Result<Record, Problem> {
         source_face: extension.source_face.map(|a| data.indices(a)).transpose()?,
         generator: document.asset.generator.clone().unwrap_or_default(),
         job: extension.job,
+        look: None,
     };
     debug_assert_eq!(extension.version, VERSION, "checked above");
     record.check().map_err(|(place, what)| Problem::damaged(place, what))?;
@@ -158,7 +162,13 @@ fn read_model(data: &Data<'_>, extension: &Extension) -> Result<Model, Problem> 
     let place = format!("mesh {}, primitive {}", extension.mesh, extension.primitive);
     let primitive = data.document.meshes.get(extension.mesh).and_then(|m| m.primitives.get(extension.primitive));
     let primitive = primitive.ok_or_else(|| Problem::damaged(&place, "it does not exist"))?;
-    let vertices = scene::read_vertices(data, primitive, &place)?;
+    let mut vertices = scene::read_vertices(data, primitive, &place)?;
+    if extension.baked {
+        // The first coordinates are the atlas's; the user's own stand second.
+        let own = |name: &str| primitive.attributes.get(name).copied();
+        vertices.uvs = own("TEXCOORD_1").map(|a| data.floats::<2>(a)).transpose()?;
+        vertices.colors = own(OWN_COLOR).map(|a| data.floats::<4>(a)).transpose()?;
+    }
     let faces = scene::read_triangles(data, primitive, vertices.positions.len(), &place)?;
     let extras = &extension.model;
     let mut source = extras.source.clone();
@@ -170,7 +180,9 @@ fn read_model(data: &Data<'_>, extension: &Extension) -> Result<Model, Problem> 
         vertices: 0..vertex_count,
         to_model: glam::DMat4::IDENTITY,
     };
-    let node = data.document.nodes.iter().position(|n| n.mesh == Some(extension.mesh));
+    // A look of several pages is shown by another mesh, on the same vertices.
+    let nodes = &data.document.nodes;
+    let node = nodes.iter().position(|n| n.mesh == Some(extension.mesh)).or_else(|| nodes.iter().position(|n| n.mesh.is_some()));
     let parts: Vec<Part> = node.map(part).into_iter().collect();
     let motion = match parts[..] {
         [] => None,

@@ -2,6 +2,7 @@
 //!
 //! Every style is a [`SurfaceTexture`] over the same rasterizer, some with lines drawn over the picture and a legend below.
 
+mod charts;
 mod coverage;
 mod field;
 mod layers;
@@ -10,6 +11,8 @@ mod palette;
 mod pastes;
 mod stretch;
 mod wireframe;
+
+pub use charts::ChartColors;
 
 use super::RenderError;
 use super::picture::Picture;

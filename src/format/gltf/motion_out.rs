@@ -1,8 +1,7 @@
 //! A motion as glTF has it: nodes beside the mesh's own, a skin, sparse morph targets, animations. Every glTF tool plays it.
 
-use super::write::{F32, U16, U32, VERTICES};
-use super::write::{Glb, Shape};
-use crate::format::gltf::accessor::MOST_IMPLICIT;
+use super::accessor::MOST_IMPLICIT;
+use super::build::{Builder, F32, Shape, U16, U32, VERTICES};
 use crate::format::motion::{Animation, Interpolation, Motion, Placement, Property, Target, Track};
 use glam::Vec3;
 use serde_json::{Map, Value, json};
@@ -13,20 +12,54 @@ const MESH_NODE: usize = 0;
 /// Parts of a document that a motion adds to.
 pub(super) struct Moving {
     /// All nodes but the mesh's own.
-    pub(super) nodes: Vec<Value>,
+    nodes: Vec<Value>,
     /// The node that all others hang on.
-    pub(super) root: usize,
-    pub(super) skin: Value,
-    pub(super) animations: Vec<Value>,
+    root: usize,
+    skin: Value,
+    animations: Vec<Value>,
     /// Morph targets of the primitive, their weights and their names.
-    pub(super) targets: Vec<Value>,
-    pub(super) weights: Vec<f32>,
-    pub(super) names: Vec<String>,
+    targets: Vec<Value>,
+    weights: Vec<f32>,
+    names: Vec<String>,
 }
 
-impl<'a> Glb<'a> {
+/// Lets the mesh of a document move: adds to the primitive's attributes, and returns what [`finish`] puts into the document.
+pub(super) fn begin<'a>(
+    tables: &mut Builder<'a>,
+    motion: &'a Motion,
+    vertices: usize,
+    attributes: &mut Map<String, Value>,
+) -> Moving {
+    tables.motion(motion, vertices, attributes)
+}
+
+/// Puts a motion into the parts of a document whose node 0 shows the mesh. All meshes there lie on the same vertices.
+pub(super) fn finish(parts: &mut Value, moving: Moving) {
+    let Moving { nodes, root, skin, animations, targets, weights, names } = moving;
+    parts["scenes"][0]["nodes"] = json!([MESH_NODE, root]);
+    parts["nodes"][MESH_NODE]["skin"] = json!(0);
+    if let Some(list) = parts["nodes"].as_array_mut() {
+        list.extend(nodes);
+    }
+    parts["skins"] = json!([skin]);
+    if !animations.is_empty() {
+        parts["animations"] = animations.into();
+    }
+    if targets.is_empty() {
+        return;
+    }
+    for mesh in parts["meshes"].as_array_mut().into_iter().flatten() {
+        for primitive in mesh["primitives"].as_array_mut().into_iter().flatten() {
+            primitive["targets"] = targets.clone().into();
+        }
+        mesh["weights"] = json!(weights);
+        mesh["extras"] = json!({ "targetNames": names });
+    }
+}
+
+impl<'a> Builder<'a> {
     /// Adds a motion's numbers. Joints go into the primitive's attributes.
-    pub(super) fn motion(&mut self, motion: &'a Motion, vertices: usize, attributes: &mut Map<String, Value>) -> Moving {
+    fn motion(&mut self, motion: &'a Motion, vertices: usize, attributes: &mut Map<String, Value>) -> Moving {
         for (k, set) in motion.influences.iter().enumerate() {
             let shape = Shape { name: "VEC4", component: U16, target: Some(VERTICES) };
             let joints = self.accessor(shape, vertices, |out| {

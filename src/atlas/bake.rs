@@ -1,0 +1,310 @@
+//! Baking: what a surface texture looks like at each texel of an atlas.
+//!
+//! 1. Each face is rasterized exactly over a grid of samples, several to a texel; every sample asks the texture over its own
+//!    footprint. A texel is the mean of its samples, colour in linear light.
+//! 2. A texel that a chart touches without any sample in it asks at the nearest point of the chart.
+//! 3. Normals are turned to the smooth surface and into the tangent frame that glTF renderers will use ([`Frames`]).
+//! 4. Where the texture does not cover the surface, the bare surface shows.
+//! 5. Gutters are filled ([`mod@super::dilate`]), and both sides of each chart border brought to agree ([`super::seams`]).
+//!
+//! Rows are worked on in bands, each on its own, so that the result does not depend on the number of threads.
+
+use super::dilate::dilate;
+use super::raster::{BAND, Bands, Triangle};
+use super::seams::{SeamStatistics, Seams};
+use super::{Atlas, AtlasError, Frames};
+use crate::exemplar::{Channel, ChannelSet, Image};
+use crate::mesh::{Mesh, SurfacePoint};
+use crate::progress::Progress;
+use crate::surface::{SurfaceTexture, Texel};
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// How to bake.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeOptions {
+    /// Samples along each side of a texel: 1, 2, 4 or 8.
+    pub samples: u32,
+    /// Colour of the surface where no texture covers it, linear light.
+    pub bare: Vec3,
+    /// Whether both sides of each chart border are brought to agree.
+    pub seams: bool,
+}
+
+impl Default for BakeOptions {
+    fn default() -> Self {
+        Self { samples: 2, bare: Vec3::new(0.42, 0.40, 0.38), seams: true }
+    }
+}
+
+/// Roughness of the bare surface.
+const BARE_ROUGHNESS: f32 = 0.7;
+
+/// One page of a baked atlas.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Page {
+    /// An image for each channel, in the order of channels. Normals are in the charts' tangent frames.
+    pub images: Vec<(Channel, Image)>,
+    /// Which texels a chart touches; rows from the top.
+    pub covered: Vec<bool>,
+}
+
+impl Page {
+    /// The image of a channel.
+    #[must_use]
+    pub fn image(&self, channel: Channel) -> Option<&Image> {
+        self.images.iter().find(|(c, _)| *c == channel).map(|(_, image)| image)
+    }
+}
+
+/// Figures of a bake.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct BakeStatistics {
+    /// Texels that charts touch.
+    pub covered_texels: u64,
+    /// Samples asked for.
+    pub samples: u64,
+    /// How charts agree at their borders.
+    pub seams: SeamStatistics,
+}
+
+/// A baked atlas.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Baked {
+    /// The pages.
+    pub pages: Vec<Page>,
+    /// Figures.
+    pub statistics: BakeStatistics,
+}
+
+/// Bakes a texture. `frames` needs tangents if the texture has normals.
+///
+/// # Errors
+/// If `progress` cancels.
+pub fn bake(
+    mesh: &Mesh,
+    atlas: &Atlas,
+    frames: &Frames,
+    texture: &dyn SurfaceTexture,
+    options: &BakeOptions,
+    progress: &dyn Progress,
+) -> Result<Baked, AtlasError> {
+    let bands = u64::from(atlas.pages) * (atlas.size as usize).div_ceil(BAND) as u64;
+    progress.stage("baking", bands);
+    let baker = Baker { mesh, atlas, frames, texture, options, layout: Layout::new(texture.channels()), done: AtomicU64::new(0) };
+    let mut statistics = BakeStatistics::default();
+    let mut pages = Vec::with_capacity(atlas.pages as usize);
+    for page in 0..atlas.pages {
+        pages.push(baker.page(page, &mut statistics, progress)?);
+    }
+    progress.stage("filling gutters", 0);
+    for page in &mut pages {
+        dilate(&page.covered, atlas.size as usize, &mut page.images);
+    }
+    progress.stage("matching chart borders", 0);
+    let seams = Seams::new(mesh, atlas);
+    if options.seams {
+        seams.solve(&mut pages);
+    }
+    statistics.seams = seams.measure(&pages);
+    if progress.cancelled() {
+        return Err(AtlasError::Cancelled);
+    }
+    Ok(Baked { pages, statistics })
+}
+
+/// Where each channel's components stand in a texel's row of numbers.
+struct Layout {
+    /// Channel and its first component.
+    channels: Vec<(Channel, usize)>,
+    width: usize,
+}
+
+impl Layout {
+    fn new(channels: ChannelSet) -> Self {
+        let mut width = 0;
+        let place = |c: Channel| {
+            let at = width;
+            width += c.components();
+            (c, at)
+        };
+        let channels = channels.with(Channel::BaseColor).iter().map(place).collect();
+        Self { channels, width }
+    }
+}
+
+struct Baker<'a> {
+    mesh: &'a Mesh,
+    atlas: &'a Atlas,
+    frames: &'a Frames,
+    texture: &'a dyn SurfaceTexture,
+    options: &'a BakeOptions,
+    layout: Layout,
+    done: AtomicU64,
+}
+
+impl Baker<'_> {
+    fn page(&self, page: u32, statistics: &mut BakeStatistics, progress: &dyn Progress) -> Result<Page, AtlasError> {
+        let size = self.atlas.size as usize;
+        let bands = Bands::new(self.mesh, self.atlas, page);
+        let mut images: Vec<Vec<f32>> = self.layout.channels.iter().map(|(c, _)| vec![0.0; size * size * c.components()]).collect();
+        let mut covered = vec![false; size * size];
+        // Each band's part of every image.
+        let mut parts: Vec<Vec<&mut [f32]>> = (0..bands.count()).map(|_| Vec::new()).collect();
+        for (image, (channel, _)) in images.iter_mut().zip(&self.layout.channels) {
+            let chunks = image.chunks_mut(BAND * size * channel.components());
+            parts.iter_mut().zip(chunks).for_each(|(part, chunk)| part.push(chunk));
+        }
+        let counts: Vec<[u64; 2]> = parts
+            .into_par_iter()
+            .zip(covered.par_chunks_mut(BAND * size))
+            .enumerate()
+            .map(|(band, (mut part, covered))| {
+                if progress.cancelled() {
+                    return [0; 2];
+                }
+                let samples = self.band(band, bands.faces(band), &mut part, covered);
+                progress.done(self.done.fetch_add(1, Ordering::Relaxed) + 1);
+                [samples, covered.iter().filter(|&&c| c).count() as u64]
+            })
+            .collect();
+        if progress.cancelled() {
+            return Err(AtlasError::Cancelled);
+        }
+        for [samples, texels] in counts {
+            statistics.samples += samples;
+            statistics.covered_texels += texels;
+        }
+        let image = |((channel, _), data): (&(Channel, usize), Vec<f32>)| {
+            Image::new(size as u32, size as u32, channel.components(), data).map(|image| (*channel, image))
+        };
+        Ok(Page { images: self.layout.channels.iter().zip(images).filter_map(image).collect(), covered })
+    }
+
+    /// Bakes a band of rows; returns the samples asked for.
+    fn band(&self, band: usize, faces: &[u32], images: &mut [&mut [f32]], covered: &mut [bool]) -> u64 {
+        let size = self.atlas.size as usize;
+        let top = (band * BAND) as i64;
+        let rows = top..top + (covered.len() / size) as i64;
+        let mut count = vec![0_u16; covered.len()];
+        // The nearest chart point to texels without samples: face, barycentric coordinates, distance.
+        let mut nearest: Vec<(u32, f32, u32, Vec3)> = Vec::new();
+        let mut values = vec![0.0; self.layout.width];
+        let mut asked = 0;
+        for &face in faces {
+            let Some(triangle) = Triangle::new(self.atlas.face_texels(face)) else { continue };
+            let face = Face::new(self, face);
+            triangle.samples(rows.clone(), self.options.samples, |x, y, bary| {
+                if x < 0 || x as usize >= size {
+                    return;
+                }
+                let i = (y - top) as usize * size + x as usize;
+                asked += 1;
+                self.ask(&face, bary, &mut values);
+                count[i] += 1;
+                covered[i] = true;
+                for (image, &(channel, at)) in images.iter_mut().zip(&self.layout.channels) {
+                    let n = channel.components();
+                    (0..n).for_each(|k| image[i * n + k] += values[at + k]);
+                }
+            });
+        }
+        for &face in faces {
+            let Some(triangle) = Triangle::new(self.atlas.face_texels(face)) else { continue };
+            triangle.touched(rows.clone(), |x, y| {
+                let i = (y - top) as usize * size + x as usize;
+                if x >= 0 && (x as usize) < size && count[i] == 0 {
+                    let (distance, bary) = triangle.nearest(x, y);
+                    nearest.push((i as u32, distance as f32, face, bary));
+                }
+            });
+        }
+        for i in 0..count.len() {
+            if count[i] > 1 {
+                let part = 1.0 / f32::from(count[i]);
+                for (image, (channel, _)) in images.iter_mut().zip(&self.layout.channels) {
+                    let n = channel.components();
+                    image[i * n..(i + 1) * n].iter_mut().for_each(|v| *v *= part);
+                }
+            }
+        }
+        nearest.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+        nearest.dedup_by_key(|n| n.0);
+        for &(i, _, face, bary) in &nearest {
+            asked += 1;
+            let i = i as usize;
+            self.ask(&Face::new(self, face), bary, &mut values);
+            covered[i] = true;
+            for (image, &(channel, at)) in images.iter_mut().zip(&self.layout.channels) {
+                let n = channel.components();
+                image[i * n..(i + 1) * n].copy_from_slice(&values[at..at + n]);
+            }
+        }
+        self.unit_normals(images, covered);
+        asked
+    }
+
+    /// Means of unit vectors are brought back to unit length.
+    fn unit_normals(&self, images: &mut [&mut [f32]], covered: &[bool]) {
+        let place = self.layout.channels.iter().position(|(c, _)| *c == Channel::Normal);
+        let Some(image) = place.and_then(|k| images.get_mut(k)) else { return };
+        for (normal, _) in image.chunks_exact_mut(3).zip(covered).filter(|(_, c)| **c) {
+            let unit = Vec3::from_slice(normal).normalize_or(Vec3::Z);
+            normal.copy_from_slice(&unit.to_array());
+        }
+    }
+
+    /// What a point shows, all channels.
+    fn ask(&self, face: &Face, bary: Vec3, out: &mut [f32]) {
+        let texel = self.texture.texel(SurfacePoint { face: face.index, bary }, face.footprint);
+        for &(channel, at) in &self.layout.channels {
+            match channel {
+                Channel::Normal => {
+                    let smooth = self.frames.normal(face.index, bary, face.normal);
+                    let turned = Frames::turn(face.normal, smooth, texel.normal);
+                    let own = smooth.lerp(turned, texel.alpha.clamp(0.0, 1.0)).normalize_or(smooth);
+                    let local = self.frames.frame(face.index, bary, smooth).transpose() * own;
+                    local.write_to_slice(&mut out[at..]);
+                }
+                _ => shown(channel, &texel, self.options.bare, &mut out[at..]),
+            }
+        }
+    }
+}
+
+/// What a texel shows of a channel other than normals, over the bare surface.
+fn shown(channel: Channel, texel: &Texel, bare: Vec3, out: &mut [f32]) {
+    let cover = texel.alpha.clamp(0.0, 1.0);
+    let over = |bare: f32, own: f32| bare + (own - bare) * cover;
+    match channel {
+        Channel::BaseColor => bare.lerp(texel.base_color, cover).write_to_slice(out),
+        Channel::Emissive => (texel.emissive * cover).write_to_slice(out),
+        Channel::Normal => texel.normal.write_to_slice(out),
+        Channel::Height => out[0] = over(0.5, texel.height),
+        Channel::Roughness => out[0] = over(BARE_ROUGHNESS, texel.roughness),
+        Channel::Metallic => out[0] = over(0.0, texel.metallic),
+        Channel::Occlusion => out[0] = over(1.0, texel.occlusion),
+        Channel::Opacity => out[0] = over(1.0, texel.opacity),
+    }
+}
+
+/// What the samples of a face share.
+struct Face {
+    index: u32,
+    normal: Vec3,
+    /// World width of a sample.
+    footprint: f32,
+}
+
+impl Face {
+    fn new(baker: &Baker<'_>, index: u32) -> Self {
+        let world = baker.mesh.area_vector(index);
+        let [a, b, c] = baker.atlas.face_texels(index);
+        let texels = (b - a).perp_dot(c - a).abs();
+        let texel = if texels > 0.0 { (world.length() / texels).sqrt() } else { 0.0 };
+        let footprint = (texel / f64::from(baker.options.samples)) as f32;
+        Self { index, normal: world.normalize_or_zero().as_vec3(), footprint }
+    }
+}

@@ -1,0 +1,292 @@
+//! `lapped bake`: a record in, a model with a texture atlas out that any tool opens.
+
+use super::bar::Bar;
+use super::{Common, picture, report};
+use crate::atlas::{Atlas, BakeOptions, ChartMethod, UnwrapOptions};
+use crate::format::export::{Export, Kind, write_layers, write_look};
+use crate::format::{Model, Record, check_output, read_record, save_image, write_record};
+use crate::job::bake::{chart_colors, default_size, page_view, with_normals};
+use crate::job::{BakeJob, BakeReport, BakedModel, Bound, Coordinates, Displace, bake_record, displace_mesh};
+use crate::mesh::Mesh;
+use crate::paste::Composite;
+use crate::render::{PreviewStyle, Subject, UpAxis, preview};
+use anyhow::{Context, bail};
+use clap::Args;
+use serde::Serialize;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Arguments of `lapped bake`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  lapped bake bunny.glb -o bunny-baked.glb                      opens textured anywhere; our tools still find the pastes
+  lapped bake bunny.glb -o bunny.glb --size 4096 --mips 4       larger, with wider gutters
+  lapped bake bunny.glb -o bunny.obj                            bunny.obj, bunny.mtl and an image for each map
+  lapped bake bunny.glb -o bunny.gltf                           bunny.gltf, bunny.bin and its images
+  lapped bake wall.glb -o relief.glb --displace 0.05            the relief as geometry
+  lapped bake bunny.glb -o b.glb --show-charts c.png --show-uv uv.png
+  lapped bake bunny.glb -o layers.glb --layers                  the pastes themselves, for any engine
+  lapped bake spot.glb -o spot-baked.glb --uv keep              into the model's own coordinates")]
+pub struct BakeArgs {
+    /// A record (GLB written by `lapped paste`)
+    #[arg(value_name = "MODEL.glb")]
+    pub model: PathBuf,
+    /// Where to write: .glb, .gltf, .obj or .ply
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// See [`AtlasArgs`].
+    #[command(flatten)]
+    pub atlas: AtlasArgs,
+    /// Cut the mesh fine and move it by the texture's height: world units from the darkest to the brightest
+    #[arg(long, value_name = "LENGTH", value_parser = length)]
+    pub displace: Option<f64>,
+    /// Faces to cut a displaced mesh into, about
+    #[arg(long, value_name = "N", default_value_t = Displace::FACES, requires = "displace")]
+    pub displace_faces: usize,
+    /// Write the pastes themselves as overlapping primitives, blended by alpha: no atlas, but only base colour
+    #[arg(long, conflicts_with_all = ["displace", "size", "pages", "mips", "bake_samples", "charts", "uv", "no_record"])]
+    pub layers: bool,
+    /// Also draw the charts on the model: four views on one sheet
+    #[arg(long, value_name = "FILE.png", help_heading = "Pictures", conflicts_with = "layers")]
+    pub show_charts: Option<PathBuf>,
+    /// Also draw the charts as they lie in the image
+    #[arg(long, value_name = "FILE.png", help_heading = "Pictures", conflicts_with = "layers")]
+    pub show_uv: Option<PathBuf>,
+    /// Leave the pastes out of the GLB: smaller, but our own tools see a plain textured model
+    #[arg(long)]
+    pub no_record: bool,
+    /// See [`Common`].
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// How to make an atlas, for every command that bakes.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Baking")]
+pub struct AtlasArgs {
+    /// Texels along each side of the atlas [default: what the exemplar's detail needs, a power of two up to 2048]
+    #[arg(long, value_name = "TEXELS", value_parser = clap::value_parser!(u32).range(16..=16384))]
+    pub size: Option<u32>,
+    /// Images to spread the charts over
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub pages: u32,
+    /// Mip levels below the finest that show no other chart's colour; each doubles the gutters
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=8))]
+    pub mips: u32,
+    /// Samples along each side of a texel: 1, 2, 4 or 8
+    #[arg(long = "bake-samples", value_name = "N", default_value_t = 2, value_parser = samples)]
+    pub bake_samples: u32,
+    /// How charts are made
+    #[arg(long, value_enum, value_name = "HOW", default_value_t = ChartArg::Auto)]
+    pub charts: ChartArg,
+    /// Where texels lie: in charts that are made, or in the model's own coordinates
+    #[arg(long, value_enum, value_name = "WHERE", default_value_t = UvArg::Charts)]
+    pub uv: UvArg,
+}
+
+fn length(text: &str) -> Result<f64, String> {
+    let wrong = || "give a length in world units that is not 0, like 0.02; below 0 bright is inward".to_owned();
+    text.parse().ok().filter(|l: &f64| l.is_finite() && *l != 0.0).ok_or_else(wrong)
+}
+
+fn samples(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|n| [1, 2, 4, 8].contains(n)).ok_or_else(|| "give 1, 2, 4 or 8".to_owned())
+}
+
+/// Names of [`ChartMethod`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum ChartArg {
+    /// Few charts of little stretch
+    #[default]
+    Auto,
+    /// Discs grown face by face, the paper's way
+    Grow,
+}
+
+/// Names of [`Coordinates`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum UvArg {
+    /// Charts that are made
+    #[default]
+    Charts,
+    /// The model's own coordinates, if no two faces share a texel
+    Keep,
+}
+
+impl AtlasArgs {
+    /// The job, at a size that suits what is baked unless one was given.
+    #[must_use]
+    pub fn job(&self, size: u32) -> BakeJob {
+        BakeJob {
+            coordinates: match self.uv {
+                UvArg::Charts => Coordinates::Charts,
+                UvArg::Keep => Coordinates::Own,
+            },
+            unwrap: UnwrapOptions {
+                size: self.size.unwrap_or(size),
+                pages: self.pages,
+                mips: self.mips,
+                method: match self.charts {
+                    ChartArg::Auto => ChartMethod::Auto,
+                    ChartArg::Grow => ChartMethod::Grow,
+                },
+                ..UnwrapOptions::default()
+            },
+            bake: BakeOptions { samples: self.bake_samples, ..BakeOptions::default() },
+            crease: None,
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct RunReport<'a> {
+    command: &'static str,
+    version: &'static str,
+    model: String,
+    output: String,
+    threads: usize,
+    #[serde(flatten)]
+    bake: &'a BakeReport,
+    total_seconds: f64,
+    peak_memory_bytes: Option<u64>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If a file cannot be read or written, or the charts do not fit.
+pub fn run(args: &BakeArgs) -> anyhow::Result<()> {
+    let begin = Instant::now();
+    let kind = Kind::of(&args.output)?;
+    [Some(&args.output), args.common.report.as_ref(), args.show_charts.as_ref(), args.show_uv.as_ref()]
+        .into_iter()
+        .flatten()
+        .try_for_each(|p| check_output(p))?;
+    let bar = Bar::new(args.common.quiet);
+    let record = read_record(&args.model)?;
+    if args.layers {
+        return layers(args, kind, record, begin);
+    }
+    let name = || args.model.display().to_string();
+    let bound = Bound::new(record.clone()).with_context(name)?;
+    let (record, atlas, report) = match args.displace {
+        Some(height) => displaced(args, &record, &bound, height, &bar).with_context(name)?,
+        None => baked(record, &bound, &args.atlas, &bar).with_context(name)?,
+    };
+    pictures(args, &bound.mesh, &atlas, &bar)?;
+    bar.finish();
+    write(&args.output, kind, &record, args.no_record || args.displace.is_some())?;
+    let seconds = begin.elapsed().as_secs_f64();
+    if !args.common.quiet {
+        writeln!(std::io::stdout(), "{}: {}, in {seconds:.2} s", args.output.display(), in_words(&report))?;
+    }
+    if let Some(path) = &args.common.report {
+        let found = RunReport {
+            command: "bake",
+            version: env!("CARGO_PKG_VERSION"),
+            model: args.model.display().to_string(),
+            output: args.output.display().to_string(),
+            threads: rayon::current_num_threads(),
+            bake: &report,
+            total_seconds: seconds,
+            peak_memory_bytes: report::peak_memory(),
+        };
+        report::write(path, &found)?;
+    }
+    Ok(())
+}
+
+/// A record with its bake.
+///
+/// # Errors
+/// If the charts do not fit.
+pub(super) fn baked(record: Record, bound: &Bound, args: &AtlasArgs, bar: &Bar) -> anyhow::Result<(Record, Atlas, BakeReport)> {
+    let job = args.job(default_size(&bound.mesh, &bound.lapped));
+    Ok(bake_record(record, bound, &job, bar)?)
+}
+
+/// The pictures of charts that were asked for.
+fn pictures(args: &BakeArgs, mesh: &Mesh, atlas: &Atlas, bar: &Bar) -> anyhow::Result<()> {
+    if let Some(path) = &args.show_charts {
+        let colors = chart_colors(mesh, atlas);
+        let subject = Subject { mesh, texture: &colors, lapped: None, guide: None };
+        let sheet = picture::views(None, [1024; 2], 2, false, UpAxis::Y);
+        picture::save(path, &preview(&subject, PreviewStyle::Texture, &sheet)?)?;
+    }
+    if let Some(path) = &args.show_uv {
+        save_image(path, &page_view(mesh, atlas, bar)?)?;
+    }
+    Ok(())
+}
+
+/// A record's model, displaced, with its bake; nothing else of the record fits it any more.
+fn displaced(
+    args: &BakeArgs,
+    record: &Record,
+    bound: &Bound,
+    height: f64,
+    bar: &Bar,
+) -> anyhow::Result<(Record, Atlas, BakeReport)> {
+    let texture = Composite::new(&bound.mesh, &bound.lapped);
+    let job = args.atlas.job(default_size(&bound.mesh, &bound.lapped));
+    let displace = Displace { height, faces: args.displace_faces };
+    let BakedModel { model, look, atlas, report } = displace_mesh(&bound.mesh, &texture, &job, &displace, bar)?;
+    let model = Model { name: record.model.name.clone(), ..model };
+    Ok((Record { model, look: Some(look), generator: record.generator.clone(), ..Record::default() }, atlas, report))
+}
+
+/// Writes the pastes as ordinary primitives.
+fn layers(args: &BakeArgs, kind: Kind, mut record: Record, begin: Instant) -> anyhow::Result<()> {
+    if kind != Kind::Glb {
+        bail!("{}: layers are written as .glb: give the name this ending", args.output.display());
+    }
+    record.model = with_normals(&record.model)?;
+    let report = write_layers(&args.output, &record)?;
+    if record.lapped.exemplars.len() > 1 {
+        args.common.warn(
+            "with several exemplars the layers have several materials: renderers that sort translucent parts by distance may draw \
+             them in another order",
+        );
+    }
+    if !args.common.quiet {
+        let seconds = begin.elapsed().as_secs_f64();
+        writeln!(
+            std::io::stdout(),
+            "{}: {} pastes as {} primitives of {} triangles, {} materials, base colour only, in {seconds:.2} s",
+            args.output.display(),
+            record.lapped.pastes.len(),
+            report.primitives,
+            report.triangles,
+            report.materials
+        )?;
+    }
+    if let Some(path) = &args.common.report {
+        report::write(path, &report)?;
+    }
+    Ok(())
+}
+
+fn write(path: &Path, kind: Kind, record: &Record, plain: bool) -> anyhow::Result<()> {
+    let Some(look) = &record.look else { bail!("{}: nothing was baked", path.display()) };
+    if kind == Kind::Glb && !plain {
+        write_record(path, record)?;
+    } else {
+        write_look(path, kind, &Export { model: &record.model, look, generator: &record.generator })?;
+    }
+    Ok(())
+}
+
+/// A bake in a line.
+pub(super) fn in_words(report: &BakeReport) -> String {
+    let pages = if report.pages > 1 { format!(" on {} pages", report.pages) } else { String::new() };
+    format!(
+        "baked {} charts into {size} x {size} texels{pages}, {:.0} % filled, stretch {:.3}, borders differ by {:.2} of 255",
+        report.charts,
+        100.0 * report.efficiency,
+        report.stretch.l2,
+        report.bake.seams.mean,
+        size = report.size,
+    )
+}

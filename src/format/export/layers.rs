@@ -1,0 +1,245 @@
+//! A lapped texture as ordinary glTF: overlapping primitives in paint order, blended by alpha, for renderers that know nothing
+//! of pastes.
+//!
+//! The plain model comes first, opaque, so that depth is written and the back does not show through. Then the pastes follow, each
+//! a copy of its faces with coordinates into an image of its texture patch: the exemplar under the mask, the mask as alpha. The
+//! patches of one exemplar share an image and a material, so that with one exemplar all pastes are one primitive, whose triangles
+//! every renderer draws in order.
+//!
+//! Lost on the way: all channels but base colour (normal maps would need a frame a paste), the soft weights of regions, and the
+//! exact mip levels of masks. With several exemplars the order of primitives is kept in the file, but renderers that sort
+//! translucent primitives by distance may draw them in another.
+
+use crate::exemplar::{Channel, Wrap, srgb};
+use crate::format::gltf::build::{Builder, INDICES, Shape, U32, VERTICES};
+use crate::format::gltf::scene_out::add_scene;
+use crate::format::look::encode;
+use crate::format::{FormatError, Record};
+use crate::paste::{LappedTexture, Paste};
+use glam::{Vec2, Vec3};
+use image::ExtendedColorType;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Transparent pixels around each patch of an image beyond what faces reach over its edge, enough for the first mip levels.
+const APART: u32 = 8;
+
+/// Faces reach over a patch's edge by at most so many of its sizes; what is further out would be transparent anyway.
+const REACH: f32 = 4.0;
+
+/// Figures of a written file.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct LayersReport {
+    /// Primitives beside the model's own.
+    pub primitives: usize,
+    /// Triangles in them.
+    pub triangles: usize,
+    /// Vertices in them.
+    pub vertices: usize,
+    /// Materials beside the model's own.
+    pub materials: usize,
+}
+
+/// Writes a record's pastes as layers of ordinary primitives (GLB). The record's model should have normals.
+///
+/// # Errors
+/// If the record contradicts itself, an image cannot be encoded, or the file cannot be written.
+pub fn write_layers(path: &Path, record: &Record) -> Result<LayersReport, FormatError> {
+    let fail =
+        |what: String| FormatError::Write { path: path.to_owned(), what, remedy: "use smaller exemplars or fewer patches".into() };
+    record.check().map_err(|(place, what)| fail(format!("{place}: {what}")))?;
+    let mut tables = Builder::default();
+    let mut parts = add_scene(&mut tables, &record.model, None).map_err(fail)?;
+    let mut report = LayersReport::default();
+    let lapped = &record.lapped;
+    let mut materials = Vec::new();
+    let mut sheets = Vec::new();
+    for exemplar in 0..lapped.exemplars.len() {
+        let sheet = Sheet::new(lapped, exemplar);
+        let png = sheet.png(lapped, exemplar).map_err(fail)?;
+        let texture = tables.texture(format!("{} patches", lapped.exemplars[exemplar].name), png, Wrap::Clamp);
+        materials.push(json!({
+            "name": format!("{} layers", lapped.exemplars[exemplar].name),
+            "alphaMode": "BLEND",
+            "doubleSided": true,
+            "pbrMetallicRoughness": {
+                "baseColorTexture": { "index": texture }, "metallicFactor": 0.0, "roughnessFactor": 0.8,
+            },
+        }));
+        sheets.push(sheet);
+    }
+    report.materials = materials.len();
+    let exemplar_of = |paste: &Paste| lapped.patches[paste.patch as usize].exemplar;
+    let primitives: Vec<Value> = lapped
+        .pastes
+        .chunk_by(|a, b| exemplar_of(a) == exemplar_of(b))
+        .filter_map(|run| {
+            let exemplar = usize::from(exemplar_of(run.first()?));
+            let layer = Layer::new(record, run, &sheets[exemplar]);
+            report.primitives += 1;
+            report.triangles += layer.indices.len() / 3;
+            report.vertices += layer.positions.len();
+            layer.add(&mut tables, 1 + exemplar)
+        })
+        .collect();
+    if let Some(list) = parts.get_mut("meshes").and_then(|m| m[0]["primitives"].as_array_mut()) {
+        list.extend(primitives);
+    }
+    if let Some(list) = parts.get_mut("materials").and_then(Value::as_array_mut) {
+        list.extend(materials);
+    }
+    let document = tables.document(&record.generator, parts);
+    tables.write_glb(path, &document)?;
+    Ok(report)
+}
+
+/// A texture patch with its content shifted: what one paste shows.
+type Window = (u16, [u32; 2]);
+
+fn window(paste: &Paste) -> Window {
+    (paste.patch, paste.offset.to_array().map(f32::to_bits))
+}
+
+/// True if no part of a face can lie on the mask.
+fn beyond(uv: &[Vec2; 3]) -> bool {
+    (0..2).any(|axis| uv.iter().all(|t| t[axis] <= 0.0) || uv.iter().all(|t| t[axis] >= 1.0))
+}
+
+/// The windows of one exemplar in one image, in rows.
+struct Sheet {
+    size: [u32; 2],
+    /// Top left pixel of each.
+    at: BTreeMap<Window, [u32; 2]>,
+}
+
+impl Sheet {
+    fn new(lapped: &LappedTexture, exemplar: usize) -> Self {
+        // How far faces reach over the edges of masks, pixels: there must be nothing but transparency there.
+        let mut windows: BTreeMap<Window, u32> = BTreeMap::new();
+        for paste in &lapped.pastes {
+            let patch = &lapped.patches[paste.patch as usize];
+            if usize::from(patch.exemplar) != exemplar {
+                continue;
+            }
+            let size = Vec2::from(patch.mask.size().map(|s| s as f32));
+            let far = paste.uv.iter().filter(|uv| !beyond(uv)).flatten().fold(0.0, |far: f32, uv| {
+                let over = (-*uv).max(*uv - 1.0).clamp(Vec2::ZERO, Vec2::splat(REACH)) * size;
+                far.max(over.max_element())
+            });
+            let widest = windows.entry(window(paste)).or_default();
+            *widest = (*widest).max(far.ceil() as u32);
+        }
+        let room = |w: &Window, reach: u32| lapped.patches[w.0 as usize].mask.size().map(|s| s + 2 * (reach + APART));
+        let area: f64 = windows.iter().map(|(w, &r)| room(w, r).map(f64::from)).map(|[w, h]| w * h).sum();
+        let widest = windows.iter().map(|(w, &r)| room(w, r)[0]).max().unwrap_or(1);
+        let width = (area.sqrt().ceil() as u32).max(widest);
+        let mut at = BTreeMap::new();
+        let (mut x, mut y, mut row) = (0, 0, 1);
+        for (&w, &reach) in &windows {
+            let [across, down] = room(&w, reach);
+            if x + across > width {
+                (x, y, row) = (0, y + row, 1);
+            }
+            at.insert(w, [x + reach + APART, y + reach + APART]);
+            x += across;
+            row = row.max(down);
+        }
+        Self { size: [width, y + row], at }
+    }
+
+    /// The image: the exemplar under each mask, extended a little beyond it, and the mask as alpha.
+    fn png(&self, lapped: &LappedTexture, exemplar: usize) -> Result<Vec<u8>, String> {
+        let [width, height] = self.size;
+        let mut pixels = vec![[0_u8; 4]; width as usize * height as usize];
+        let source = &lapped.exemplars[exemplar];
+        let color = source.channel(Channel::BaseColor).ok_or("an exemplar has no base colour")?.finest();
+        let [w, h] = color.size().map(|s| s as f32);
+        for (&(patch, offset), at) in &self.at {
+            let patch = &lapped.patches[patch as usize];
+            let shift = Vec2::from(offset.map(f32::from_bits)) + Vec2::new(patch.origin[0] as f32, patch.origin[1] as f32);
+            let [pw, ph] = patch.mask.size().map(i64::from);
+            let rim = i64::from(APART);
+            for y in -rim..ph + rim {
+                for x in -rim..pw + rim {
+                    let mut from = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift;
+                    if source.wrap == Wrap::Repeat {
+                        from = from.rem_euclid(Vec2::new(w, h));
+                    }
+                    let inside = (0..pw).contains(&x) && (0..ph).contains(&y);
+                    let alpha = if inside { patch.mask.finest().grey(x, y) } else { 0.0 };
+                    let [r, g, b] = color.bilinear(from).to_array().map(srgb::to_byte);
+                    let to = (i64::from(at[1]) + y) * i64::from(width) + i64::from(at[0]) + x;
+                    pixels[to as usize] = [r, g, b, (alpha * 255.0).round() as u8];
+                }
+            }
+        }
+        encode([width, height], ExtendedColorType::Rgba8, |i| pixels[i])
+    }
+
+    /// Where a place on a paste's mask, 0 to 1, lies on the image.
+    fn place(&self, lapped: &LappedTexture, paste: &Paste, uv: Vec2) -> Vec2 {
+        let size = Vec2::from(lapped.patches[paste.patch as usize].mask.size().map(|s| s as f32));
+        let at = self.at.get(&window(paste)).map_or(Vec2::ZERO, |at| Vec2::from(at.map(|c| c as f32)));
+        (at + uv * size) / Vec2::from(self.size.map(|s| s as f32))
+    }
+}
+
+/// Triangles of pastes that follow each other.
+#[derive(Default)]
+struct Layer {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    uv: Vec<Vec2>,
+    indices: Vec<u32>,
+}
+
+impl Layer {
+    fn new(record: &Record, run: &[Paste], sheet: &Sheet) -> Self {
+        let model = &record.model;
+        let mut out = Self::default();
+        for paste in run {
+            // Within a paste corners at one vertex and one place are one.
+            let mut made: BTreeMap<(u32, [u32; 2]), u32> = BTreeMap::new();
+            for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
+                if beyond(uv) {
+                    continue;
+                }
+                for (k, &vertex) in model.faces[face as usize].iter().enumerate() {
+                    let key = (vertex, uv[k].to_array().map(f32::to_bits));
+                    let index = *made.entry(key).or_insert_with(|| {
+                        out.positions.push(model.positions[vertex as usize]);
+                        out.normals.extend(model.normals.as_ref().map(|n| n[vertex as usize]));
+                        out.uv.push(sheet.place(&record.lapped, paste, uv[k]));
+                        out.positions.len() as u32 - 1
+                    });
+                    out.indices.push(index);
+                }
+            }
+        }
+        out
+    }
+
+    /// Adds the primitive to the tables.
+    fn add(self, tables: &mut Builder<'_>, material: usize) -> Option<Value> {
+        let Self { positions, normals, uv, indices } = self;
+        if indices.is_empty() {
+            return None;
+        }
+        let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        let (low, high) = positions.iter().fold(start, |(lo, hi), &p| (lo.min(p), hi.max(p)));
+        let count = positions.len();
+        let with_normals = normals.len() == count;
+        let position = tables.vectors(Some(VERTICES), count, move |k| positions[k].to_array())?;
+        tables.bound(position, &low.as_dvec3().to_array(), &high.as_dvec3().to_array());
+        let mut attributes = json!({ "POSITION": position });
+        if with_normals {
+            attributes["NORMAL"] = tables.vectors(Some(VERTICES), count, move |k| normals[k].to_array())?.into();
+        }
+        attributes["TEXCOORD_0"] = tables.vectors(Some(VERTICES), count, move |k| uv[k].to_array())?.into();
+        let shape = Shape { name: "SCALAR", component: U32, target: Some(INDICES) };
+        let indices =
+            tables.accessor(shape, indices.len(), move |out| indices.iter().try_for_each(|i| out.write_all(&i.to_le_bytes())))?;
+        Some(json!({ "attributes": attributes, "indices": indices, "material": material }))
+    }
+}

@@ -1,0 +1,7 @@
+//! The atlas: charts, baking, and the files that come out.
+
+mod bake;
+mod charts;
+mod checker;
+mod corpus;
+mod export;
