@@ -33,6 +33,7 @@
 pub mod assets;
 pub mod atlas;
 pub mod cli;
+pub mod compare;
 pub mod exemplar;
 pub mod field;
 pub mod format;
@@ -44,3 +45,4 @@ pub mod progress;
 pub mod random;
 pub mod render;
 pub mod surface;
+pub mod synth;

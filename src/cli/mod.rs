@@ -18,6 +18,8 @@ pub mod render;
 pub mod report;
 pub mod retile;
 pub mod shell;
+pub mod synth;
+mod vertex_output;
 
 use clap::{Args, Parser, Subcommand};
 use std::io::{IsTerminal, Write};
@@ -41,6 +43,8 @@ const AFTER_HELP: &str = "Examples:\n  \
     lapped demo                                             pictures and records from built-in assets, into ./lapped-demo/\n  \
     lapped paste bunny.obj bricks.png -o bunny.glb          bricks upright all over the bunny\n  \
     lapped paste rock.ply moss.jpg -o rock.glb --field none --preview rock.png\n  \
+    lapped synth torus.obj pebbles.jpg -o torus.glb         a texture that looks like pebbles, vertex by vertex
+  \
     lapped render bunny.glb -o bunny.png --size 1024x1024 --camera yaw=30,pitch=15\n  \
     lapped inspect bunny.obj                                what is in a file, and what would be mended\n\n\
     Every command explains its options and shows examples: lapped paste --help";
@@ -53,6 +57,8 @@ enum Command {
     Paste(Box<paste::PasteArgs>),
     /// Bake a record's texture into an atlas that any tool opens
     Bake(bake::BakeArgs),
+    /// Give a re-tiled mesh a texture at its vertices that looks like an example image
+    Synth(Box<synth::SynthArgs>),
     /// Draw a record, or a plain mesh
     Render(render::RenderArgs),
     /// Give a mesh another number of vertices, evenly spread
@@ -110,6 +116,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Demo(args) => with_threads(&args.common, || demo::run(args)),
         Command::Paste(args) => with_threads(&args.common, || paste::run(args)),
         Command::Bake(args) => with_threads(&args.common, || bake::run(args)),
+        Command::Synth(args) => with_threads(&args.common, || synth::run(args)),
         Command::Render(args) => with_threads(&args.common, || render::run(args)),
         Command::Retile(args) => with_threads(&args.common, || retile::run(args)),
         Command::Field(args) => with_threads(&args.common, || field::run(args)),

@@ -4,7 +4,7 @@
 use super::Common;
 use super::channels::ChannelArgs;
 use crate::exemplar::symmetry::exemplar_symmetry;
-use crate::exemplar::{Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
+use crate::exemplar::{Exemplar, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
 use crate::field::nway::MOST_WAYS;
 use crate::format::{read_exemplar, read_file, read_mask};
@@ -231,13 +231,23 @@ fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow
         None => Steer::Up(axis),
         Some("none") => Steer::Isotropic(args.scale_field.as_deref().map(constraints).transpose()?),
         Some(_) if args.scale_field.is_some() => bail!("--scale-field goes with --field none"),
-        Some("curvature") => Steer::Curvature,
-        Some("auto") => found_steer(inputs, common),
-        Some(text) if text.starts_with(RELAX) => match text[RELAX.len()..].parse() {
+        Some("auto") => inputs.first().map_or(Steer::Relaxed(1), |i| found_steer(&i.exemplar, common)),
+        Some(named) => steer_of(named, axis)?,
+    })
+}
+
+/// What a `--field` other than `none` and `auto` asks for.
+///
+/// # Errors
+/// If it names a file that cannot be read, or too many ways.
+pub(super) fn steer_of(named: &str, axis: DVec3) -> anyhow::Result<Steer> {
+    Ok(match named {
+        "curvature" => Steer::Curvature,
+        text if text.starts_with(RELAX) => match text[RELAX.len()..].parse() {
             Ok(n @ 1..=MOST_WAYS) => Steer::Relaxed(n),
             _ => bail!("--field {text}: give {RELAX} and a number of ways from 1 to {MOST_WAYS}, like relax:4"),
         },
-        Some(file) => {
+        file => {
             let path = Path::new(file);
             let text = read_text(path)?;
             // A file of constraints has a key of that name; anything else is read as a field.
@@ -253,9 +263,9 @@ fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow
     })
 }
 
-/// What the first exemplar's own symmetry asks for; says what it found.
-fn found_steer(inputs: &[ExemplarInput], common: &Common) -> Steer {
-    let Some(found) = inputs.first().and_then(|i| exemplar_symmetry(&i.exemplar)) else { return Steer::Relaxed(1) };
+/// What an exemplar's own symmetry asks for; says what it found.
+pub(super) fn found_steer(exemplar: &Exemplar, common: &Common) -> Steer {
+    let Some(found) = exemplar_symmetry(exemplar) else { return Steer::Relaxed(1) };
     let (steer, flag) = if found.isotropic {
         (Steer::Isotropic(None), "none".to_owned())
     } else {

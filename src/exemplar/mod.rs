@@ -13,6 +13,7 @@ pub mod outline;
 pub mod patch;
 mod splotch;
 pub mod srgb;
+pub mod stack;
 pub mod symmetry;
 
 pub use coverage_mask::ERODED_RADII;

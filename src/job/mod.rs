@@ -13,6 +13,7 @@ pub mod estimate;
 pub mod moving;
 pub mod paste;
 pub mod regions;
+pub mod synth;
 
 pub use area::{Area, AreaError, Where};
 pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record};
@@ -22,3 +23,4 @@ pub use estimate::{Estimate, Work, available_memory};
 pub use moving::Moving;
 pub use paste::{ExemplarInput, JobError, JobReport, PasteJob, Pasted, Scale, Steer, paste_model};
 pub use regions::{Region, RegionReport, paste_regions};
+pub use synth::{Density, Direction, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on};

@@ -45,9 +45,11 @@ pub(crate) fn add_scene<'a>(
             meshes.push(json!({ "name": model.name, "primitives": pages }));
         }
     } else {
+        // Vertex colours are what is to be seen; a grey factor would darken them.
+        let grey = if model.colors.is_some() { 1.0 } else { 0.8 };
         materials.push(json!({
             "name": "neutral",
-            "pbrMetallicRoughness": { "baseColorFactor": [0.8, 0.8, 0.8, 1.0], "metallicFactor": 0.0, "roughnessFactor": PLAIN_ROUGHNESS },
+            "pbrMetallicRoughness": { "baseColorFactor": [grey, grey, grey, 1.0], "metallicFactor": 0.0, "roughnessFactor": PLAIN_ROUGHNESS },
             "doubleSided": true,
         }));
     }

@@ -1,0 +1,308 @@
+//! `lapped synth`: a mesh and an exemplar in, a re-tiled mesh whose vertices hold a texture that looks like the exemplar out.
+
+use super::bar::Bar;
+use super::channels::ChannelArgs;
+use super::picture::{self, Size};
+use super::region::{found_steer, steer_of};
+use super::vertex_output;
+use super::{Common, report};
+use crate::exemplar::Channel;
+use crate::format::{check_output, read_exemplar, read_model};
+use crate::job::{Density, Direction, Steer, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on};
+use crate::mesh::{CleanOptions, CleanReport, clean};
+use crate::render::{View, sheet};
+use crate::synth::{SearchKind, SynthOptions, Window};
+use anyhow::{Context, bail};
+use clap::Args;
+use glam::DVec3;
+use serde::Serialize;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Arguments of `lapped synth`.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  Pebbles all over a bunny, a vertex a pixel, and a picture of the result:
+      lapped synth bunny.obj pebbles.jpg -o bunny.glb --preview bunny.png
+  Stripes that follow the smoothest field of two ways:
+      lapped synth torus.obj stripes.png -o torus.glb --field relax:2 --vertices 50000
+  One exemplar width a tenth of a unit long, as PLY:
+      lapped synth cat.obj fur.png -o cat.ply --scale 0.1 --field cat-field.json
+  Height too, and the surface moved by it:
+      lapped synth head.obj weave.png --height weave-height.png -o head.glb --displace 0.05
+  Better and slower, worse and as in the paper:
+      lapped synth bunny.obj bricks.png -o bunny.glb --passes 6,6,4,3
+      lapped synth bunny.obj bricks.png -o bunny.glb --paper --search tsvq
+
+The mesh that comes out is another one: the surface with evenly spread vertices, each of which stands for a pixel. More vertices
+make a finer texture, not a sharper one (--vertices), unless the exemplar has more pixels (--exemplar-size).")]
+pub struct SynthArgs {
+    /// The mesh: OBJ, PLY, STL, glTF or GLB
+    #[arg(value_name = "MESH")]
+    pub mesh: PathBuf,
+    /// The example image, or a folder or file prefix of a material set
+    #[arg(value_name = "EXEMPLAR")]
+    pub exemplar: PathBuf,
+    /// Where to write the result: .glb (colours in COLOR_0) or .ply
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// How
+    #[arg(long, value_enum, default_value_t = Method::WeiLevoy)]
+    pub method: Method,
+
+    /// Vertices: each stands for a pixel of the exemplar, so more of them make the texture smaller on the surface [default: 24576]
+    #[arg(long, value_name = "N", conflicts_with = "scale", help_heading = "Size and direction")]
+    pub vertices: Option<usize>,
+    /// World length of one exemplar width, instead of a number of vertices
+    #[arg(long, value_name = "LENGTH", help_heading = "Size and direction")]
+    pub scale: Option<f64>,
+    /// Longer side of the exemplar in pixels, to which it is brought first [default: its own, at most 128]
+    #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Size and direction")]
+    pub exemplar_size: Option<u32>,
+    /// `random` for a direction of its own at every vertex; `relax:N` for the smoothest field of N ways; `curvature` to follow the
+    /// surface; `up` for --up; `auto` to let the exemplar decide; or a JSON file: constraints, or a field with a vector per face
+    #[arg(
+        long,
+        value_name = "auto|random|relax:N|curvature|up|FILE.json",
+        default_value = "auto",
+        help_heading = "Size and direction"
+    )]
+    pub field: String,
+    /// Texture up for `--field up`: an axis (x, y, z, -x, ...) or X,Y,Z
+    #[arg(long, value_name = "AXIS", value_parser = super::axis, allow_hyphen_values = true, help_heading = "Size and direction")]
+    pub up: Option<DVec3>,
+    /// Keep edges over which the surface bends by more than this when vertices are spread
+    #[arg(long, value_name = "DEGREES", help_heading = "Size and direction")]
+    pub crease: Option<f64>,
+
+    /// Read the exemplar's named image alone, without looking for normal, height and other maps beside it
+    #[arg(long, help_heading = "Channels")]
+    pub color_only: bool,
+    /// See [`ChannelArgs`].
+    #[command(flatten)]
+    pub channels: ChannelArgs,
+    /// Move the vertices along their normals by the height channel, this far from lowest to highest, world units
+    #[arg(long, value_name = "DEPTH", help_heading = "Channels")]
+    pub displace: Option<f64>,
+
+    /// How to search: `fast` continues what neighbours show where that fits, `tsvq` and `exhaustive` are Wei's and Levoy's
+    #[arg(long, value_enum, default_value_t = SearchArg::Fast, help_heading = "Method")]
+    pub search: SearchArg,
+    /// What the paper does: its neighbourhoods, one pass a level, the vertex in its own neighbourhood
+    #[arg(long, help_heading = "Method")]
+    pub paper: bool,
+    /// Levels at most
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=8), help_heading = "Method")]
+    pub levels: u64,
+    /// Neighbourhoods from the coarsest level to the finest: sides and levels each reaches over [default: 3x3,1 5x5,2 7x7,2 7x7,2;
+    /// with --paper 1x1,1 3x3,2 5x5,2 7x7,2]
+    #[arg(long, value_name = "WINDOWS", value_parser = windows, help_heading = "Method")]
+    pub windows: Option<Windows>,
+    /// Passes over each level from the coarsest to the finest; more take longer and mend more [default: 4,4,2,1; with --paper 1]
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(0..=100), help_heading = "Method")]
+    pub passes: Option<Vec<u16>>,
+    /// Whether the exemplar goes on over its edges; `auto` compares opposite edges
+    #[arg(long, value_enum, default_value_t = EdgesArg::Auto, help_heading = "Method")]
+    pub edges: EdgesArg,
+    /// Seed of all random choices
+    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Method")]
+    pub seed: u64,
+    /// Weld vertices closer than this, world units; 0 welds equal positions only
+    #[arg(long, value_name = "TOL", default_value_t = 0.0, help_heading = "Method")]
+    pub weld: f64,
+
+    /// Also draw the result: four views on one sheet
+    #[arg(long, value_name = "FILE.png", help_heading = "Pictures")]
+    pub preview: Option<PathBuf>,
+    /// Size of the preview in pixels
+    #[arg(long, value_name = "WxH", default_value_t = Size([1024, 1024]), help_heading = "Pictures")]
+    pub preview_size: Size,
+    /// One view instead of four, like front, or yaw=30,pitch=15,zoom=1.2
+    #[arg(long, value_name = "VIEW", help_heading = "Pictures")]
+    pub camera: Option<View>,
+
+    /// See [`Common`].
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum Method {
+    /// Wei and Levoy 2001: neighbourhoods on re-tiled meshes, matched level by level
+    WeiLevoy,
+}
+
+/// Names of [`SearchKind`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum SearchArg {
+    /// Continuations and a tree over principal components
+    Fast,
+    /// Tree-structured vector quantization
+    Tsvq,
+    /// Every candidate
+    Exhaustive,
+}
+
+/// What lies beyond an exemplar's edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum EdgesArg {
+    /// What its edges suggest
+    Auto,
+    /// The exemplar again
+    Tile,
+    /// Nothing: neighbourhoods stay inside
+    Inside,
+}
+
+/// A list of neighbourhoods.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Windows(Vec<Window>);
+
+fn windows(text: &str) -> Result<Windows, String> {
+    let all: Result<Vec<Window>, String> = text.split_whitespace().map(str::parse).collect();
+    all.and_then(|w| if w.is_empty() { Err("give at least one, like 7x7,2".to_owned()) } else { Ok(Windows(w)) })
+}
+
+#[derive(Debug, Serialize)]
+struct RunReport {
+    command: &'static str,
+    mesh: String,
+    exemplar: String,
+    output: String,
+    threads: usize,
+    vertices: usize,
+    options: SynthOptions,
+    clean: CleanReport,
+    synth: SynthReport,
+    seconds: f64,
+    peak_memory_bytes: Option<u64>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// If a file cannot be read or written, or the job cannot be done.
+pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
+    let begin = Instant::now();
+    let kind = vertex_output::kind(&args.output)?;
+    [Some(&args.output), args.preview.as_ref(), args.common.report.as_ref()]
+        .into_iter()
+        .flatten()
+        .try_for_each(|p| check_output(p))?;
+    if args.crease.is_some_and(|c| !(c > 0.0 && c < 180.0)) {
+        bail!("--crease is {}: give an angle between 0 and 180 degrees", args.crease.unwrap_or_default());
+    }
+    if !(args.weld >= 0.0 && args.weld.is_finite()) {
+        bail!("--weld is {}: give a length in world units, 0 or more", args.weld);
+    }
+    if args.displace.is_some_and(|d| !d.is_finite()) {
+        bail!("--displace is {}: give a length in world units", args.displace.unwrap_or_default());
+    }
+    let name = || args.mesh.display().to_string();
+    let (exemplar, told) = read_exemplar(&args.exemplar, &args.channels.options(args.color_only))?;
+    told.iter().for_each(|w| args.common.pass_on(w));
+    let model = read_model(&args.mesh)?;
+    model.source.notes.iter().for_each(|note| args.common.warn(&format!("{}: {note}", name())));
+    let cleaned =
+        clean(&model.positions, &model.faces, &CleanOptions { weld: args.weld, ..CleanOptions::default() }).with_context(name)?;
+    let axis = args.up.unwrap_or(DVec3::Y);
+    let direction = match args.field.as_str() {
+        "random" => Direction::Random,
+        "up" => Direction::Steered(Steer::Up(axis)),
+        _ if args.up.is_some() => bail!("--up goes with --field up"),
+        "auto" => Direction::Steered(found_steer(&exemplar, &args.common)),
+        named => Direction::Steered(steer_of(named, axis)?),
+    };
+    let options = options(args);
+    let job = SynthJob {
+        density: match (args.vertices, args.scale) {
+            (_, Some(scale)) => Density::Scale(scale),
+            (vertices, None) => Density::Vertices(vertices.unwrap_or(crate::job::synth::VERTICES)),
+        },
+        levels: args.levels as usize,
+        side: args.exemplar_size,
+        tiles: match args.edges {
+            EdgesArg::Auto => None,
+            EdgesArg::Tile => Some(true),
+            EdgesArg::Inside => Some(false),
+        },
+        direction,
+        crease: args.crease.map(f64::to_radians),
+        nearest: args.paper,
+        options,
+    };
+    let bar = Bar::new(args.common.quiet);
+    let done = synthesize_on(&cleaned, &exemplar, &job, &bar, &mut |_, _, _| ());
+    bar.finish();
+    let made = done.map_err(|e| match e {
+        SynthJobError::Field(_) => anyhow::Error::new(e).context(args.field.clone()),
+        SynthJobError::Scale { .. } => anyhow::Error::new(e).context("--scale"),
+        e => anyhow::Error::new(e).context(name()),
+    })?;
+    if args.displace.is_some() && made.texture.channel(Channel::Height).is_none() {
+        bail!("{}: --displace needs a height channel: name one with --height", args.exemplar.display());
+    }
+    let moved = args.displace.map(|depth| made.texture.displaced(depth));
+    let mesh = moved.as_ref().unwrap_or(&made.texture.mesh);
+    vertex_output::write(&args.output, kind, &model.name, mesh, &made.texture)?;
+    if let Some(path) = &args.preview {
+        let options = picture::views(args.camera, args.preview_size.0, 2, false, picture::up_axis(args.up));
+        picture::save(path, &sheet(mesh, &made.texture, &options)?)?;
+    }
+    summary(args, &made, begin.elapsed().as_secs_f64());
+    if let Some(path) = &args.common.report {
+        let report = RunReport {
+            command: "synth",
+            mesh: name(),
+            exemplar: args.exemplar.display().to_string(),
+            output: args.output.display().to_string(),
+            threads: rayon::current_num_threads(),
+            vertices: mesh.vertex_count(),
+            options: job.options,
+            clean: cleaned.report,
+            synth: made.report,
+            seconds: begin.elapsed().as_secs_f64(),
+            peak_memory_bytes: report::peak_memory(),
+        };
+        report::write(path, &report)?;
+    }
+    Ok(())
+}
+
+fn options(args: &SynthArgs) -> SynthOptions {
+    let usual = if args.paper { SynthOptions::paper() } else { SynthOptions::default() };
+    SynthOptions {
+        windows: args.windows.as_ref().map_or(usual.windows, |w| w.0.clone()),
+        passes: args.passes.as_ref().map_or(usual.passes, |p| p.iter().map(|&n| usize::from(n)).collect()),
+        search: match args.search {
+            SearchArg::Fast => SearchKind::Fast,
+            SearchArg::Tsvq => SearchKind::Tsvq,
+            SearchArg::Exhaustive => SearchKind::Exhaustive,
+        },
+        seed: args.seed,
+        ..usual
+    }
+}
+
+/// The result in a line on stdout.
+fn summary(args: &SynthArgs, made: &Synthesized, seconds: f64) {
+    let r = &made.report;
+    let text = format!(
+        "{}: {} vertices from {}x{} pixels{}, {} levels, one width is {:.4} long, {} of {} samples uncovered, in {seconds:.2} s",
+        args.output.display(),
+        made.texture.mesh.vertex_count(),
+        r.exemplar[0],
+        r.exemplar[1],
+        if r.tiles { " that tile" } else { "" },
+        r.synth.levels.len(),
+        r.scale,
+        r.synth.levels.iter().map(|l| l.uncovered_samples).sum::<u64>(),
+        r.synth.levels.iter().map(|l| l.vertices as u64 * u64::from(l.window.side).pow(2)).sum::<u64>(),
+    );
+    if !args.common.quiet {
+        let _ = writeln!(std::io::stdout(), "{text}");
+    }
+}

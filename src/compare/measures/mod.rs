@@ -1,0 +1,96 @@
+//! Fidelity in numbers: pieces of the result against pieces of the exemplar.
+//!
+//! Pieces are cut from the surface at points spread by area, each in the texture's own direction and at the exemplar's own pixel
+//! pitch, by walking straight from the point ([`pieces`]). All numbers are of colours encoded as sRGB.
+//!
+//! | measure | what it is | blind to |
+//! |---|---|---|
+//! | `swd` | sliced Wasserstein distance of 7x7 patches on three levels, 256 fixed projections, times 100 (Elnekave, Weiss, "Generating natural images with direct patch distributions matching", ECCV 2022; Heitz et al., "A sliced Wasserstein loss for neural texture synthesis", CVPR 2021) | where patches lie; blur, in part |
+//! | `coherence` | from each result patch to the nearest patch of the exemplar, 11x11, root mean square over 32 principal components; its 99th hundredth is what an eye calls a seam (Simakov et al., "Summarizing visual data using bidirectional similarity", CVPR 2008) | a result that repeats one piece |
+//! | `completeness` | the other way round (Simakov et al. 2008) | seams |
+//! | `energy` | energy of the Laplacian over the exemplar's: 1 is right, less is blurred, more is noisy | everything else |
+//! | `repetition` | the largest autocorrelation beyond 40 pixels | everything else |
+//!
+//! None of them is a verdict. Each comes with its floor: the same between one half of the exemplar and the other, which a
+//! perfect result cannot be expected to beat.
+
+mod patches;
+mod pieces;
+mod sliced;
+mod spectrum;
+
+pub use patches::{Spread, coherence};
+pub use pieces::{Pieces, Placed, of_image, of_surface};
+pub use sliced::sliced_wasserstein;
+pub use spectrum::{laplacian_energy, repetition};
+
+use crate::exemplar::Exemplar;
+use crate::mesh::{Mesh, SurfacePoint};
+use crate::surface::SurfaceTexture;
+use glam::DVec3;
+use serde::Serialize;
+
+/// Pieces that are compared.
+const PIECES: usize = 1500;
+/// Their side, pixels: 7 on the coarsest of three levels.
+const SIDE: usize = 28;
+/// Larger pieces that repetition is looked for in, and their side.
+const LARGE: usize = 12;
+const LARGE_SIDE: usize = 120;
+
+/// The measures of one set of pieces against another.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Measured {
+    /// Sliced Wasserstein distance, times 100.
+    pub swd: f64,
+    /// Distances to the nearest patch of the exemplar.
+    pub coherence: Spread,
+    /// Distances of the exemplar's patches to the nearest of the result.
+    pub completeness: Spread,
+    /// Energy of the Laplacian over the exemplar's.
+    pub energy: f64,
+    /// The largest autocorrelation beyond 40 pixels; 0 if no piece is large enough.
+    pub repetition: f64,
+}
+
+/// A result against its exemplar, and the floor.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Fidelity {
+    /// The result.
+    pub result: Measured,
+    /// One half of the exemplar against the other.
+    pub floor: Measured,
+}
+
+/// Measures pieces against an exemplar's.
+#[must_use]
+pub fn measured(result: &Pieces, large: &Pieces, exemplar: &Pieces) -> Measured {
+    let (coherence, completeness) = coherence(result, exemplar);
+    Measured {
+        swd: sliced_wasserstein(result, exemplar),
+        coherence,
+        completeness,
+        energy: laplacian_energy(result) / laplacian_energy(exemplar).max(f64::MIN_POSITIVE),
+        repetition: repetition(large),
+    }
+}
+
+/// How much a texture on a surface looks like its exemplar. `right` gives the direction of texture right at a point, `pixel` is
+/// the world length of a pixel of the exemplar.
+#[must_use]
+pub fn fidelity(
+    mesh: &Mesh,
+    texture: &dyn SurfaceTexture,
+    right: &(dyn Fn(SurfacePoint) -> DVec3 + Sync),
+    pixel: f64,
+    exemplar: &Exemplar,
+) -> Fidelity {
+    let at = Placed { mesh, texture, right, pixel };
+    let result = of_surface(&at, SIDE, PIECES, 1);
+    let large = of_surface(&at, LARGE_SIDE, LARGE, 2);
+    let whole = of_image(exemplar, SIDE, PIECES, 3, [0.0, 1.0]);
+    let halves = [(4, [0.0, 0.5]), (5, [0.5, 1.0])].map(|(seed, part)| of_image(exemplar, SIDE, PIECES, seed, part));
+    let floor = measured(&halves[0], &of_image(exemplar, LARGE_SIDE, LARGE, 6, [0.0, 1.0]), &halves[1]);
+    Fidelity { result: measured(&result, &large, &whole), floor }
+}

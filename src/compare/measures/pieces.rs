@@ -1,0 +1,126 @@
+//! Pieces of a texture: squares of pixels cut from a surface or from an image, in the same way.
+
+use crate::exemplar::{Channel, Exemplar, Wrap, srgb};
+use crate::mesh::walk::walk;
+use crate::mesh::{Mesh, SurfacePoint};
+use crate::random::Random;
+use crate::surface::SurfaceTexture;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Squares of pixels, three numbers each, encoded as sRGB.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pieces {
+    /// Pixels along each side.
+    pub side: usize,
+    /// For each piece its rows from the top.
+    pub data: Vec<Vec<[f32; 3]>>,
+}
+
+/// A texture on a surface with what its pieces need.
+#[derive(Clone, Copy)]
+pub struct Placed<'a> {
+    /// The surface.
+    pub mesh: &'a Mesh,
+    /// What it shows.
+    pub texture: &'a dyn SurfaceTexture,
+    /// Texture right at a point; need not be unit or tangent.
+    pub right: &'a (dyn Fn(SurfacePoint) -> DVec3 + Sync),
+    /// World length of a pixel.
+    pub pixel: f64,
+}
+
+/// Offsets of a piece's pixels from its middle, pixels right and down.
+fn offsets(side: usize) -> impl Iterator<Item = [f64; 2]> {
+    let middle = (side as f64 - 1.0) / 2.0;
+    (0..side * side).map(move |i| [(i % side) as f64 - middle, (i / side) as f64 - middle])
+}
+
+/// Pieces around points spread over a surface by area; each pixel lies straight ahead from its point.
+#[must_use]
+pub fn of_surface(at: &Placed, side: usize, count: usize, seed: u64) -> Pieces {
+    let mut sums = Vec::with_capacity(at.mesh.face_count());
+    let mut sum = 0.0;
+    for f in 0..at.mesh.face_count() as u32 {
+        sum += at.mesh.area(f);
+        sums.push(sum);
+    }
+    let one = |k: usize| -> Vec<[f32; 3]> {
+        let mut random = Random::new(seed, k as u64);
+        let area = random.range(0.0, sum);
+        let face = (sums.partition_point(|&s| s <= area) as u32).min(at.mesh.face_count() as u32 - 1);
+        // Uniform on a triangle: the half of the square beyond the diagonal is folded back.
+        let (u, v) = (random.unit(), random.unit());
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let point = SurfacePoint { face, bary: Vec3::new((1.0 - u - v) as f32, u as f32, v as f32) };
+        let normal = at.mesh.normal(face);
+        let right = (at.right)(point);
+        let right = (right - normal * right.dot(normal)).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+        let down = right.cross(normal);
+        let pixel = |[x, y]: [f64; 2]| {
+            let there = walk(at.mesh, point, (right * x + down * y) * at.pixel);
+            at.texture.texel(there, 0.0).base_color.to_array().map(srgb::encode)
+        };
+        offsets(side).map(pixel).collect()
+    };
+    Pieces { side, data: if at.mesh.face_count() == 0 { Vec::new() } else { (0..count).into_par_iter().map(one).collect() } }
+}
+
+/// Pieces of an exemplar, between its pixels as those of a surface are; from the part of its width between two shares. No
+/// pieces if that part is too small, unless the exemplar tiles.
+#[must_use]
+pub fn of_image(exemplar: &Exemplar, side: usize, count: usize, seed: u64, part: [f64; 2]) -> Pieces {
+    let Some(image) = exemplar.channel(Channel::BaseColor).map(|c| c.finest()) else { return Pieces { side, data: Vec::new() } };
+    let [w, h] = image.size().map(f64::from);
+    let tiles = exemplar.wrap == Wrap::Repeat;
+    let reach = if tiles { 0.0 } else { side as f64 / 2.0 };
+    let (low, high) = ([part[0] * w + reach, reach], [part[1] * w - reach, h - reach]);
+    if low[0] > high[0] || low[1] > high[1] {
+        return Pieces { side, data: Vec::new() };
+    }
+    let at = |x: f64, y: f64| -> Vec3 {
+        let (x, y) = (x - 0.5, y - 0.5);
+        let ([x0, y0], u, v) = ([x.floor(), y.floor()], (x - x.floor()) as f32, (y - y.floor()) as f32);
+        let pixel = |dx: i64, dy: i64| {
+            let (x, y) = (x0 as i64 + dx, y0 as i64 + dy);
+            if tiles { image.pixel(x.rem_euclid(w as i64), y.rem_euclid(h as i64)) } else { image.pixel(x, y) }
+        };
+        pixel(0, 0).lerp(pixel(1, 0), u).lerp(pixel(0, 1).lerp(pixel(1, 1), u), v)
+    };
+    let one = |k: usize| -> Vec<[f32; 3]> {
+        let mut random = Random::new(seed, k as u64);
+        let (x, y) = (random.range(low[0], high[0]), random.range(low[1], high[1]));
+        offsets(side).map(|[dx, dy]| at(x + dx, y + dy).to_array().map(srgb::encode)).collect()
+    };
+    Pieces { side, data: (0..count).into_par_iter().map(one).collect() }
+}
+
+impl Pieces {
+    /// The same at half the size: 2x2 pixels averaged.
+    #[must_use]
+    pub fn halved(&self) -> Self {
+        let (side, from) = (self.side / 2, self.side);
+        let one = |piece: &Vec<[f32; 3]>| -> Vec<[f32; 3]> {
+            let mean = |i: usize| {
+                let (x, y) = (2 * (i % side), 2 * (i / side));
+                let four = [piece[y * from + x], piece[y * from + x + 1], piece[(y + 1) * from + x], piece[(y + 1) * from + x + 1]];
+                std::array::from_fn(|k| four.iter().map(|p| p[k]).sum::<f32>() / 4.0)
+            };
+            (0..side * side).map(mean).collect()
+        };
+        Self { side, data: self.data.iter().map(one).collect() }
+    }
+
+    /// The square of `side` pixels in the middle of each piece, as rows of numbers.
+    #[must_use]
+    pub fn middles(&self, side: usize) -> crate::numeric::rows::Rows {
+        let side = side.min(self.side);
+        let from = (self.side - side) / 2;
+        let mut out = crate::numeric::rows::Rows::new(3 * side * side);
+        for piece in &self.data {
+            let rows = (from..from + side).flat_map(|y| &piece[y * self.side + from..][..side]);
+            out.push(&rows.copied().collect::<Vec<_>>().concat());
+        }
+        out
+    }
+}

@@ -1,0 +1,5 @@
+//! Judging results: how much a texture on a surface looks like the exemplar it was made from.
+
+pub mod measures;
+
+pub use measures::{Fidelity, Measured, Spread, fidelity};

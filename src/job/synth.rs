@@ -1,0 +1,310 @@
+//! Synthesis from end to end: a clean mesh and an exemplar in, a vertex texture out.
+//!
+//! 1. The exemplar is brought to the size asked for; its pyramid has as many levels as its smaller side allows.
+//! 2. The mesh is re-tiled so that a vertex stands for a pixel of the exemplar, and coarser levels with a quarter each.
+//! 3. Directions are found for the vertices of every level.
+//! 4. `synth` matches level by level.
+
+use super::paste::Steer;
+use crate::exemplar::stack::{Stack, resized, tiles};
+use crate::exemplar::{Exemplar, Wrap};
+use crate::field::nway::align::least_curvature;
+use crate::field::nway::{NWayOptions, NWaySolver, Over, on_pyramid};
+use crate::field::{FieldError, FieldOptions, TangentField, constrained, default_scale};
+use crate::mesh::curvature::curvature;
+use crate::mesh::nearest::Nearest;
+use crate::mesh::pyramid::{Pyramid, pyramid};
+use crate::mesh::retile::{MAX_VERTICES, RetileError, RetileOptions, RetileStatistics};
+use crate::mesh::{Cleaned, Mesh};
+use crate::progress::Progress;
+use crate::synth::{
+    Frame, LevelDone, Levels, Source, SynthError, SynthOptions, SynthStatistics, VertexTexture, combed_right, random_right,
+    synthesize,
+};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::time::Instant;
+
+/// Vertices unless more or fewer are asked for.
+pub const VERTICES: usize = 24_576;
+
+/// An exemplar's longer side, pixels, unless another size is asked for: a vertex stands for a pixel.
+pub const SIDE: u32 = 128;
+
+/// The smaller side of the exemplar's coarsest level, pixels, at least: with fewer there is nothing to choose from.
+const COARSEST: u32 = 4;
+
+/// Vertices of the coarsest level at least.
+const FEWEST: usize = 48;
+
+/// How many vertices to synthesise on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Density {
+    /// So many.
+    Vertices(usize),
+    /// As many as make one width of the exemplar so long, world units.
+    Scale(f64),
+}
+
+/// Which way the texture lies.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Direction {
+    /// Another way at every vertex (WL 3.1).
+    Random,
+    /// As in pasting; without a direction there, the smoothest field is used.
+    Steered(Steer),
+}
+
+/// A job.
+#[derive(Debug, Clone)]
+pub struct SynthJob {
+    /// How many vertices.
+    pub density: Density,
+    /// Levels at most.
+    pub levels: usize,
+    /// The exemplar's longer side, pixels; `None` keeps it, but brings it to [`SIDE`] if it is larger.
+    pub side: Option<u32>,
+    /// Whether the exemplar goes on over its edges; `None` finds out.
+    pub tiles: Option<bool>,
+    /// Which way.
+    pub direction: Direction,
+    /// Re-tiling keeps edges over which the surface bends by more than this, radians.
+    pub crease: Option<f64>,
+    /// Also relax the paper's own error of directions.
+    pub nearest: bool,
+    /// The method.
+    pub options: SynthOptions,
+}
+
+impl Default for SynthJob {
+    fn default() -> Self {
+        Self {
+            density: Density::Vertices(VERTICES),
+            levels: 4,
+            side: None,
+            tiles: None,
+            direction: Direction::Steered(Steer::Relaxed(1)),
+            crease: None,
+            nearest: false,
+            options: SynthOptions::default(),
+        }
+    }
+}
+
+/// Why a job fails.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SynthJobError {
+    /// A scale that is none, or asks for too much.
+    #[error("a scale of {scale} asks for {vertices:.3e} vertices: give one that asks for 4 to {MAX_VERTICES}")]
+    Scale {
+        /// The scale.
+        scale: f64,
+        /// Vertices it asks for.
+        vertices: f64,
+    },
+    /// The mesh cannot be re-tiled so.
+    #[error(transparent)]
+    Retile(#[from] RetileError),
+    /// The directions cannot be made.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The synthesis itself.
+    #[error(transparent)]
+    Synth(#[from] SynthError),
+}
+
+/// What a job did.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SynthReport {
+    /// Size of the exemplar as it was used, pixels.
+    pub exemplar: [u32; 2],
+    /// It goes on over its edges.
+    pub tiles: bool,
+    /// World length of one exemplar width.
+    pub scale: f64,
+    /// Distance of two samples, world units.
+    pub spacing: f64,
+    /// Re-tiling, the finest level first.
+    pub retile: Vec<RetileStatistics>,
+    /// Singularities of the directions on the finest level, if a smooth field was made.
+    pub singularities: Option<usize>,
+    /// Synthesis, the coarsest level first.
+    pub synth: SynthStatistics,
+    /// Seconds for re-tiling all levels, for directions, and for synthesis.
+    pub seconds: [f64; 3],
+}
+
+/// What comes out.
+#[derive(Debug)]
+pub struct Synthesized {
+    /// Values at the vertices of the re-tiled mesh.
+    pub texture: VertexTexture,
+    /// The levels that were synthesised on.
+    pub levels: Levels,
+    /// What was done.
+    pub report: SynthReport,
+}
+
+/// The exemplar as a job uses it.
+#[must_use]
+pub fn prepared(exemplar: &Exemplar, side: Option<u32>, wraps: Option<bool>) -> Exemplar {
+    let [w, h] = exemplar.size();
+    let longer = w.max(h);
+    let to = side.unwrap_or_else(|| longer.min(SIDE)).max(1);
+    let scaled = |n: u32| ((f64::from(n) * f64::from(to) / f64::from(longer)).round() as u32).max(1);
+    let mut out = resized(exemplar, [scaled(w), scaled(h)]).into_owned();
+    let wraps = wraps.unwrap_or_else(|| exemplar.wrap == Wrap::Repeat || tiles(&out));
+    out.wrap = if wraps { Wrap::Repeat } else { Wrap::Clamp };
+    out
+}
+
+/// Levels that an exemplar of a size is good for, at most `most`; where it tiles, its sides must halve evenly.
+#[must_use]
+pub fn levels_of(exemplar: &Exemplar, most: usize) -> usize {
+    let size = exemplar.size();
+    let smaller = size[0].min(size[1]);
+    let good = |k: &usize| {
+        let halves = 1_u32 << k.min(&31);
+        smaller / halves >= COARSEST && (exemplar.wrap == Wrap::Clamp || size.iter().all(|s| s.is_multiple_of(halves)))
+    };
+    (1..most.max(1)).take_while(good).count() + 1
+}
+
+/// Does a job on a clean mesh. `seen` is told of every level that is done, with the levels and the exemplar as used.
+///
+/// # Errors
+/// If the mesh cannot be re-tiled, a direction is unusable, or `progress` cancels.
+pub fn synthesize_on(
+    cleaned: &Cleaned,
+    exemplar: &Exemplar,
+    job: &SynthJob,
+    progress: &dyn Progress,
+    seen: &mut dyn FnMut(&Levels, &Exemplar, LevelDone),
+) -> Result<Synthesized, SynthJobError> {
+    let exemplar = prepared(exemplar, job.side, job.tiles);
+    let count = levels_of(&exemplar, job.levels);
+    let start = Instant::now();
+    let pyramid = retiled(&cleaned.mesh, &exemplar, job, count, progress)?;
+    let retile_seconds = start.elapsed().as_secs_f64();
+    let retile = pyramid.levels.iter().map(|l| l.statistics).collect();
+    let start = Instant::now();
+    let (right, singularities) = directions(cleaned, &pyramid, job, progress)?;
+    let levels = Levels::of_pyramid(pyramid, right);
+    let field_seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let source = Source::image(&Stack::new(&exemplar, None), levels.len());
+    let made = synthesize(&levels, &source, &job.options, progress, &mut |done| seen(&levels, &exemplar, done))?;
+    let texture = VertexTexture::of_exemplar(levels.finest(), &exemplar, &made.places);
+    let seconds = [retile_seconds, field_seconds, start.elapsed().as_secs_f64()];
+    let spacing = texture.spacing;
+    let report = SynthReport {
+        exemplar: exemplar.size(),
+        tiles: exemplar.wrap == Wrap::Repeat,
+        scale: spacing * f64::from(exemplar.size()[0]),
+        spacing,
+        retile,
+        singularities,
+        synth: made.statistics,
+        seconds,
+    };
+    Ok(Synthesized { texture, levels, report })
+}
+
+/// The re-tiled levels; as many of the `count` as the surface has room for.
+fn retiled(
+    mesh: &Mesh,
+    exemplar: &Exemplar,
+    job: &SynthJob,
+    count: usize,
+    progress: &dyn Progress,
+) -> Result<Pyramid, SynthJobError> {
+    let vertices = match job.density {
+        Density::Vertices(n) => n,
+        Density::Scale(scale) => {
+            let vertices = mesh.total_area() / (scale / f64::from(exemplar.size()[0])).powi(2);
+            if !(scale > 0.0 && (4.0..=MAX_VERTICES as f64).contains(&vertices)) {
+                return Err(SynthJobError::Scale { scale, vertices });
+            }
+            vertices.round() as usize
+        }
+    };
+    let options = RetileOptions { vertices, crease: job.crease, seed: job.options.seed, ..RetileOptions::default() };
+    let mut count = count.min((1..).take_while(|k| vertices >> (2 * k).min(60) >= FEWEST).count() + 1);
+    loop {
+        match pyramid(mesh, &options, count, progress) {
+            // Coarse levels need room for every part and every hole of the surface.
+            Err(RetileError::TooFew { .. }) if count > 1 => count -= 1,
+            made => return Ok(made?),
+        }
+    }
+}
+
+type Right = Vec<Vec<DVec3>>;
+
+fn directions(
+    cleaned: &Cleaned,
+    pyramid: &Pyramid,
+    job: &SynthJob,
+    progress: &dyn Progress,
+) -> Result<(Right, Option<usize>), SynthJobError> {
+    let mesh = &cleaned.mesh;
+    let relaxed = |n: u32| {
+        let options = NWayOptions { nearest: job.nearest, seed: job.options.seed, ..NWayOptions::default() };
+        let fields = on_pyramid(pyramid, n, &options, progress);
+        let right = pyramid.levels.iter().zip(&fields.fields).map(|(l, f)| combed_right(&l.mesh, f)).collect();
+        (right, fields.statistics.first().map(|s| s.singularities))
+    };
+    let up = |axis: DVec3| {
+        let level = |mesh: &Mesh| mesh.vertex_normals().iter().map(|n| axis.cross(n.as_dvec3())).collect();
+        pyramid.levels.iter().map(|l| level(&l.mesh)).collect()
+    };
+    Ok(match &job.direction {
+        Direction::Random => (random_right(pyramid, job.options.seed), None),
+        Direction::Steered(Steer::Isotropic(_)) => relaxed(1),
+        Direction::Steered(Steer::Relaxed(n)) => relaxed(*n),
+        Direction::Steered(Steer::Up(axis)) => (up(*axis), None),
+        Direction::Steered(Steer::Curvature) => {
+            let level = |mesh: &Mesh| {
+                let solver = NWaySolver::new(mesh, Over::Vertices, 2);
+                let mut wishes = vec![DVec2::ZERO; mesh.vertex_count()];
+                least_curvature(mesh, &solver.table, 2, &mut wishes, &curvature(mesh), 1.0);
+                combed_right(mesh, &solver.solve(&wishes, &NWayOptions::default(), progress).0)
+            };
+            (pyramid.levels.iter().map(|l| level(&l.mesh)).collect(), None)
+        }
+        Direction::Steered(Steer::Constraints(constraints, axis)) => {
+            let scale = default_scale(mesh, crate::field::DEFAULT_RATIO, 1.0);
+            let axis = constraints.axis(*axis);
+            let anchors = constraints.anchors(mesh, Some(&cleaned.user_faces), axis, scale)?;
+            let options = FieldOptions { scale, axis, base_weight: constraints.base_weight, ..FieldOptions::default() };
+            (carried(mesh, &constrained(mesh, &anchors, &options)?.0, pyramid), None)
+        }
+        Direction::Steered(Steer::Field(text)) => (carried(mesh, &TangentField::from_json(mesh, text)?, pyramid), None),
+    })
+}
+
+/// A field on the mesh's faces, smoothed over its vertices, read at the vertices of every level.
+fn carried(mesh: &Mesh, field: &TangentField, pyramid: &Pyramid) -> Right {
+    let mut up = vec![DVec3::ZERO; mesh.vertex_count()];
+    for (f, corners) in mesh.faces.iter().enumerate() {
+        let direction = field.up[f].as_dvec3().normalize_or_zero() * mesh.area(f as u32);
+        corners.iter().for_each(|&v| up[v as usize] += direction);
+    }
+    let tree = Nearest::new(mesh);
+    let level = |level: &Mesh| {
+        let normals = level.vertex_normals();
+        let one = |v: usize| {
+            let Some(hit) = tree.nearest(level.point(v as u32)) else { return DVec3::X };
+            let corners = mesh.faces[hit.at.face as usize];
+            let mean: DVec3 = (0..3).map(|k| up[corners[k] as usize].normalize_or_zero() * f64::from(hit.at.bary[k])).sum();
+            // Where they cancel, at a singularity, the face's own direction is as good as any.
+            let up = if mean.length() > 0.1 { mean } else { field.up[hit.at.face as usize].as_dvec3() };
+            Frame::new(normals[v].as_dvec3(), up.cross(normals[v].as_dvec3())).right
+        };
+        (0..level.vertex_count()).into_par_iter().map(one).collect()
+    };
+    pyramid.levels.iter().map(|l| level(&l.mesh)).collect()
+}

@@ -1,0 +1,2 @@
+//! Judging results.
+mod measures;

@@ -1,0 +1,146 @@
+//! The measures of fidelity: nothing is told apart from itself, and planted faults are told, the worse the more.
+
+use glam::{DVec3, Vec3};
+use lapped::compare::fidelity;
+use lapped::compare::measures::{Pieces, coherence, laplacian_energy, of_image, repetition, sliced_wasserstein};
+use lapped::exemplar::{Channel, ChannelSet, Exemplar, Image, Wrap, srgb};
+use lapped::mesh::{Mesh, SurfacePoint};
+use lapped::random::Random;
+use lapped::surface::{SurfaceTexture, Texel};
+
+/// Blobs at random places that tile, `side` pixels wide.
+fn blobs(side: u32, seed: u64) -> Exemplar {
+    let mut random = Random::new(seed, 0);
+    let count = side * side / 60;
+    let all: Vec<[f32; 4]> = (0..count)
+        .map(|_| {
+            [random.range(0.0, f64::from(side)), random.range(0.0, f64::from(side)), random.unit(), random.unit()].map(|x| x as f32)
+        })
+        .collect();
+    let pixel = |x: u32, y: u32| {
+        let near = |a: f32, b: f32| {
+            let d = (a - b).rem_euclid(side as f32);
+            d.min(side as f32 - d)
+        };
+        let mut sum = Vec3::splat(0.3);
+        for b in &all {
+            let d = near(x as f32 + 0.5, b[0]).powi(2) + near(y as f32 + 0.5, b[1]).powi(2);
+            sum += Vec3::new(b[2] - 0.4, b[3] - 0.5, 0.3 - b[2] * b[3]) * (-d / 8.0).exp();
+        }
+        sum.clamp(Vec3::ZERO, Vec3::ONE).map(srgb::decode)
+    };
+    let mut out = Exemplar::new("blobs", Image::from_fn(side, side, pixel));
+    out.wrap = Wrap::Repeat;
+    out
+}
+
+fn pieces(exemplar: &Exemplar, seed: u64) -> Pieces {
+    of_image(exemplar, 28, 400, seed, [0.0, 1.0])
+}
+
+/// Every piece changed pixel by pixel.
+fn changed(pieces: &Pieces, change: impl Fn(&[[f32; 3]], usize) -> [f32; 3]) -> Pieces {
+    let one = |piece: &Vec<[f32; 3]>| (0..piece.len()).map(|i| change(piece, i)).collect();
+    Pieces { side: pieces.side, data: pieces.data.iter().map(one).collect() }
+}
+
+fn blurred(pieces: &Pieces) -> Pieces {
+    let side = pieces.side;
+    changed(pieces, |piece, i| {
+        let (x, y) = (i % side, i / side);
+        let near = |t: usize| [t.saturating_sub(1), t, (t + 1).min(side - 1)];
+        let all: Vec<[f32; 3]> = near(y).into_iter().flat_map(|y| near(x).map(|x| piece[y * side + x])).collect();
+        std::array::from_fn(|k| all.iter().map(|p| p[k]).sum::<f32>() / 9.0)
+    })
+}
+
+#[test]
+fn pieces_are_at_no_distance_from_themselves() {
+    let all = pieces(&blobs(64, 1), 1);
+    assert_eq!(sliced_wasserstein(&all, &all), 0.0, "sliced Wasserstein distance");
+    let (there, back) = coherence(&all, &all);
+    // The middles of the pieces are among their patches.
+    assert!(there.p99 < 1e-3 && back.p99 < 1e-3, "{there:?}, {back:?}");
+    let other = pieces(&blobs(64, 1), 2);
+    let same = sliced_wasserstein(&all, &other);
+    let different = sliced_wasserstein(&all, &pieces(&blobs(64, 9), 2).clone());
+    assert!(same < different, "other pieces of the same exemplar: {same}, of another: {different}");
+}
+
+#[test]
+fn blur_takes_energy_and_noise_adds_it() {
+    let all = pieces(&blobs(64, 1), 1);
+    let (once, twice) = (blurred(&all), blurred(&blurred(&all)));
+    let energy = [&all, &once, &twice].map(laplacian_energy);
+    assert!(energy[0] > 1.5 * energy[1] && energy[1] > 1.2 * energy[2], "{energy:?}");
+    let noisy = changed(&all, |piece, i| piece[i].map(|x| x + if i % 2 == 0 { 0.03 } else { -0.03 }));
+    assert!(laplacian_energy(&noisy) > energy[0], "{} from {}", laplacian_energy(&noisy), energy[0]);
+    let distances = [&once, &twice].map(|p| sliced_wasserstein(p, &all));
+    assert!(0.0 < distances[0] && distances[0] < distances[1], "blur is farther: {distances:?}");
+}
+
+#[test]
+fn seams_are_told_by_the_tail_of_coherence() {
+    let exemplar = blobs(64, 1);
+    let (all, whole) = (pieces(&exemplar, 1), pieces(&exemplar, 2));
+    let mut tails = Vec::new();
+    for share in [0, 20, 5] {
+        // One in so many pieces has its right half from another piece.
+        let mut data = all.data.clone();
+        for k in (0..data.len()).filter(|k| share > 0 && k % share == 0) {
+            let other = &all.data[(k + 7) % all.data.len()];
+            (0..data[k].len()).filter(|i| i % all.side >= all.side / 2).for_each(|i| data[k][i] = other[i]);
+        }
+        let (there, _) = coherence(&Pieces { side: all.side, data }, &whole);
+        tails.push((there.p99, there.mean));
+    }
+    assert!(tails[0].0 < tails[1].0 && tails[0].1 < tails[1].1 && tails[1].1 < tails[2].1, "{tails:?}");
+    let (_, back) = coherence(&whole, &whole);
+    let few = Pieces { side: all.side, data: vec![all.data[0].clone(); 50] };
+    let (there, missing) = coherence(&few, &all);
+    assert!(there.p99 < 1e-3 && missing.mean > 10.0 * back.mean.max(1e-4), "one piece again and again is coherent, not complete");
+}
+
+#[test]
+fn repetition_is_told() {
+    let far = of_image(&blobs(256, 4), 120, 4, 1, [0.0, 1.0]);
+    let near = of_image(&blobs(50, 4), 120, 4, 1, [0.0, 1.0]);
+    let (few, many) = (repetition(&far), repetition(&near));
+    assert!(many > 0.95 && few < 0.7, "every 50 pixels: {many}; every 256: {few}");
+}
+
+/// A flat sheet that shows an exemplar, one pixel a unit.
+struct Sheet<'a>(&'a Exemplar, &'a Mesh);
+
+impl SurfaceTexture for Sheet<'_> {
+    fn channels(&self) -> ChannelSet {
+        self.0.channels()
+    }
+
+    fn texel(&self, at: SurfacePoint, _footprint: f32) -> Texel {
+        let p = self.1.position(at);
+        let image = self.0.channel(Channel::BaseColor).expect("colour").finest();
+        let [w, h] = image.size().map(i64::from);
+        let (x, y) = (p.x - 0.5, -p.y - 0.5);
+        let pixel = |dx: i64, dy: i64| image.pixel((x.floor() as i64 + dx).rem_euclid(w), (y.floor() as i64 + dy).rem_euclid(h));
+        let (u, v) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+        let color = pixel(0, 0).lerp(pixel(1, 0), u).lerp(pixel(0, 1).lerp(pixel(1, 1), u), v);
+        Texel { base_color: color, alpha: 1.0, ..Texel::empty(Vec3::Z) }
+    }
+}
+
+#[test]
+fn an_exemplar_laid_on_a_sheet_is_as_good_as_itself() {
+    let exemplar = blobs(64, 1);
+    let corners = [[0.0, 0.0], [900.0, 0.0], [900.0, 900.0], [0.0, 900.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("a square");
+    let sheet = Sheet(&exemplar, &mesh);
+    let good = fidelity(&mesh, &sheet, &|_| DVec3::X, 1.0, &exemplar);
+    let (r, f) = (good.result, good.floor);
+    assert!(r.swd < f.swd, "the whole against itself, {}, and its halves, {}", r.swd, f.swd);
+    assert!((r.energy - 1.0).abs() < 0.05, "energy {}", r.energy);
+    assert!(r.coherence.p99 <= f.coherence.p99, "coherence {:?}, floor {:?}", r.coherence, f.coherence);
+    // Read in another direction or at another scale it is something else.
+    let larger = fidelity(&mesh, &sheet, &|_| DVec3::X, 1.6, &exemplar);
+    assert!(larger.result.swd > 2.0 * r.swd, "too fine: {} from {}", larger.result.swd, r.swd);
+}

@@ -1,0 +1,4 @@
+//! Synthesis over surfaces.
+mod flat;
+mod odd;
+mod whole;
