@@ -74,7 +74,7 @@ pub struct RenderArgs {
     /// What to show: texture, pastes, field, coverage, stretch, wireframe
     #[arg(long, value_name = "STYLE", default_value_t = PreviewStyle::Texture)]
     pub style: PreviewStyle,
-    /// Show the relief of exemplars with a height by parallax, so many exemplar widths deep; 0.02 to 0.05 is usual
+    /// Show the relief of exemplars with a height by parallax, so many exemplar widths deep; 0.01 to 0.03 is usual
     #[arg(long, value_name = "DEPTH", default_value_t = 0.0, value_parser = depth)]
     pub parallax: f32,
     /// Samples along each side of a pixel

@@ -12,16 +12,56 @@ use lapped::paste::{LappedTexture, Paste};
 use lapped::progress::Silent;
 use lapped::render::gpu::{Gpu, GpuOptions, Renderer, RendererOptions};
 use lapped::render::{Camera, Grid, Picture, Visibility};
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 #[path = "../common/grid.rs"]
 mod grid;
 pub(crate) use grid::flat;
 
+/// One renderer on each interface, for one test at a time: on OpenGL threads that draw at once wait for each other, and wgpu
+/// takes a long wait for a deadlock.
+pub(crate) struct Renderers {
+    both: &'static [Renderer; 2],
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl std::ops::Deref for Renderers {
+    type Target = [Renderer; 2];
+
+    fn deref(&self) -> &[Renderer; 2] {
+        self.both
+    }
+}
+
+impl IntoIterator for Renderers {
+    type Item = &'static Renderer;
+    type IntoIter = Each;
+
+    fn into_iter(self) -> Each {
+        Each { left: self.both.iter(), _all: self }
+    }
+}
+
+/// The renderers one by one; nobody else has them meanwhile.
+pub(crate) struct Each {
+    left: std::slice::Iter<'static, Renderer>,
+    _all: Renderers,
+}
+
+impl Iterator for Each {
+    type Item = &'static Renderer;
+
+    fn next(&mut self) -> Option<&'static Renderer> {
+        self.left.next()
+    }
+}
+
 /// One renderer on each interface. Both must be there.
-pub(crate) fn renderers() -> &'static [Renderer; 2] {
+pub(crate) fn renderers() -> Renderers {
     static BOTH: OnceLock<[Renderer; 2]> = OnceLock::new();
-    BOTH.get_or_init(|| ["vulkan", "gl"].map(|name| renderer(name, None)))
+    static ALONE: Mutex<()> = Mutex::new(());
+    let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    Renderers { both: BOTH.get_or_init(|| ["vulkan", "gl"].map(|name| renderer(name, None))), _alone: alone }
 }
 
 /// A renderer on an interface, kept to limits.

@@ -3,17 +3,18 @@
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "the table is shown when asked for; helpers fail as tests do")]
 
 use crate::common::{pasted, renderers};
-use lapped::exemplar::Channel;
+use lapped::exemplar::{Channel, Exemplar};
 use lapped::render::{DrawOptions, Stage};
 
 /// What charts commonly leave of an atlas.
 const ATLAS_FILL: f64 = 0.7;
 
-/// Bytes of an atlas in which the surface has `ratio` exemplar areas, with mip levels: four bytes for each group of channels.
-fn atlas_bytes(exemplar: &lapped::exemplar::Exemplar, ratio: f64) -> f64 {
-    let [w, h] = exemplar.size();
-    let groups = 1.0 + f64::from(u8::from(exemplar.channels().has(Channel::Normal)));
-    f64::from(w) * f64::from(h) * ratio / ATLAS_FILL * 4.0 / 3.0 * 4.0 * groups
+/// Bytes of an atlas in which the surface has `ratio` areas of the finest exemplar, with mip levels: four bytes for each group
+/// of channels that any exemplar has.
+fn atlas_bytes(exemplars: &[Exemplar], ratio: f64) -> f64 {
+    let pixels = exemplars.iter().map(|e| e.size().map(f64::from).iter().product::<f64>()).fold(0.0, f64::max);
+    let normals = exemplars.iter().any(|e| e.channels().has(Channel::Normal));
+    pixels * ratio / ATLAS_FILL * 4.0 / 3.0 * 4.0 * if normals { 2.0 } else { 1.0 }
 }
 
 #[test]
@@ -34,7 +35,7 @@ fn the_demos_take_a_tenth_of_an_atlas_of_their_sampling_density() {
         let stage = Stage::new(&done.mesh, &DrawOptions::default());
         let subject = renderers()[0].load(&stage, &done.lapped).unwrap();
         let [positions, lists, textures] = subject.bytes();
-        let atlas = atlas_bytes(&done.lapped.exemplars[0], ratio);
+        let atlas = atlas_bytes(&done.lapped.exemplars, ratio);
         let times = atlas / (lists + textures) as f64;
         let mib = |bytes: f64| bytes / f64::from(1 << 20);
         println!(
