@@ -205,7 +205,7 @@ impl Image {
 
     /// The mask pixel of the origin, and steps of mask pixels for one longest edge along it and up.
     pub(super) fn in_edges(&self, lattice: &Lattice) -> [Vec2; 3] {
-        [self.origin, self.along * lattice.base, self.up * lattice.base].map(|v| v.as_vec2())
+        [self.origin, self.along * lattice.base, self.up * lattice.base].map(DVec2::as_vec2)
     }
 
     /// Radius of the image of a box of half extents `half`.
