@@ -1,6 +1,8 @@
 //! Shaders, what they are given, and the state they are drawn with.
 
 use super::context::Gpu;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 use wgpu::{BindingType, BlendComponent, BlendFactor, BlendState, BufferBindingType, CompareFunction, ShaderStages, TextureFormat};
 
 /// The shaders' texts: what is shared, then the passes.
@@ -206,7 +208,9 @@ pub(super) struct Pipelines {
     pub(super) depth: wgpu::RenderPipeline,
     pub(super) key: wgpu::RenderPipeline,
     pub(super) key_behind: wgpu::RenderPipeline,
-    pub(super) layered_pass: Pass,
+    layered_pass: Pass,
+    /// The layered pass for each choice of groups that was drawn so far: compiling one takes longer than a frame.
+    layered: Mutex<BTreeMap<[bool; MATERIAL], wgpu::RenderPipeline>>,
     pub(super) light: wgpu::RenderPipeline,
     pub(super) points: wgpu::RenderPipeline,
     pub(super) obscure: wgpu::RenderPipeline,
@@ -248,15 +252,20 @@ impl Pipelines {
             finish: draw(&finish_pass, &[], plain(PIXELS), None),
             single_pass,
             layered_pass,
+            layered: Mutex::default(),
             anisotropic,
         }
     }
 
     /// The layered pass onto those groups of material that are there.
     pub(super) fn layered(&self, gpu: &Gpu, groups: [bool; MATERIAL]) -> wgpu::RenderPipeline {
-        let targets = groups.map(|there| if there { over(LIGHT) } else { None });
-        let onto = Onto { targets: &targets, depth: Some((DEPTH, CompareFunction::Equal, false)), samples: 1 };
-        self.layered_pass.pipeline(gpu, &[("ANISOTROPIC", self.anisotropic)], &onto)
+        let make = || {
+            let targets = groups.map(|there| if there { over(LIGHT) } else { None });
+            let onto = Onto { targets: &targets, depth: Some((DEPTH, CompareFunction::Equal, false)), samples: 1 };
+            self.layered_pass.pipeline(gpu, &[("ANISOTROPIC", self.anisotropic)], &onto)
+        };
+        let mut made = self.layered.lock().unwrap_or_else(PoisonError::into_inner);
+        made.entry(groups).or_insert_with(make).clone()
     }
 
     /// The single pass onto somebody else's target.
