@@ -7,10 +7,11 @@ use crate::atlas::AtlasTexture;
 use crate::exemplar::ChannelSet;
 use crate::field::{Guide, TangentField};
 use crate::format::{
-    Look, check_output, holds_record, read_file, read_look_bytes, read_model_bytes, read_record_bytes, write_file,
+    Look, Model, check_output, holds_record, read_file, read_look_bytes, read_model_bytes, read_record_bytes, write_file,
 };
 use crate::job::bake::LookOnMesh;
-use crate::job::{Bound, Moving};
+use crate::job::{Bound, Moving, Painted};
+use crate::mesh::clean::UserFace;
 use crate::mesh::{CleanOptions, Cleaned, Mesh, SurfacePoint, clean};
 use crate::paste::{Composite, LappedTexture};
 use crate::render::normals::crease_angle;
@@ -37,7 +38,7 @@ Examples:
   lapped render bunny.glb -o baked.png --mode atlas                    the bake, as other tools show it
   lapped render bunny.glb -o pastes.png --style pastes")]
 pub struct RenderArgs {
-    /// A record (GLB written by `lapped paste`), or any mesh
+    /// A record (GLB written by `lapped paste` or `lapped synth`), or any mesh; colours at its vertices are shown
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
     /// Where to write the picture (PNG); of --turntable and --play an animation (.apng, .gif) or a folder
@@ -126,6 +127,8 @@ struct Shown {
     field: Option<TangentField>,
     moving: Option<Moving>,
     look: Option<(LookOnMesh, Box<Look>)>,
+    /// The model itself and where its faces went, if it has colours at its vertices and no pastes.
+    painted: Option<(Box<Model>, Vec<UserFace>)>,
 }
 
 impl Shown {
@@ -142,20 +145,27 @@ impl Shown {
                 let Cleaned { mesh, user_faces, .. } =
                     clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?;
                 let on_mesh = LookOnMesh::new(&model, &look, &mesh, &user_faces);
-                return Ok(Self { mesh, lapped: None, field: None, moving: None, look: Some((on_mesh, Box::new(look))) });
+                let look = Some((on_mesh, Box::new(look)));
+                return Ok(Self { mesh, lapped: None, field: None, moving: None, look, painted: None });
             }
             if mode == Mode::Atlas {
                 bail!("{}: it has no baked atlas: make one with `lapped bake`, or choose another --mode", path.display());
             }
         }
-        if record {
-            let Bound { mesh, lapped, field, moving, .. } = Bound::new(read_record_bytes(path, &file)?).with_context(name)?;
-            return Ok(Self { mesh, lapped: Some(lapped), field, moving, look: None });
-        }
-        let model = read_model_bytes(path, &file)?;
+        let model = if record {
+            let record = read_record_bytes(path, &file)?;
+            if !(record.lapped.pastes.is_empty() && record.model.colors.is_some()) {
+                let Bound { mesh, lapped, field, moving, .. } = Bound::new(record).with_context(name)?;
+                return Ok(Self { mesh, lapped: Some(lapped), field, moving, look: None, painted: None });
+            }
+            record.model
+        } else {
+            read_model_bytes(path, &file)?
+        };
         let cleaned = clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?;
         let moving = Moving::new(&model, &cleaned).with_context(name)?;
-        Ok(Self { mesh: cleaned.mesh, lapped: None, field: None, moving, look: None })
+        let painted = model.colors.is_some().then(|| (Box::new(model), cleaned.user_faces));
+        Ok(Self { mesh: cleaned.mesh, lapped: None, field: None, moving, look: None, painted })
     }
 }
 
@@ -206,8 +216,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let name = || args.model.display().to_string();
     let brush = Brush::new(args)?;
     let moves = args.time.is_some() || args.play;
-    let Shown { mut mesh, lapped, field, moving, look } = Shown::read(&args.model, args.mode, moves)?;
-    let brush = if look.is_some() { Brush::Reference(0.0) } else { brush };
+    let Shown { mut mesh, lapped, field, moving, look, painted } = Shown::read(&args.model, args.mode, moves)?;
+    let plain = painted.is_some() && args.mode == Mode::Auto;
+    let brush = if look.is_some() || plain { Brush::Reference(0.0) } else { brush };
     let read_seconds = begin.elapsed().as_secs_f64();
     let up = picture::up_axis(args.up);
     let mut options = picture::views(args.camera, args.size.0, args.samples, args.transparent, up);
@@ -231,7 +242,10 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             let guide = field.map(Guide::Directed);
             let texture: Box<dyn SurfaceTexture + '_> = match look {
                 Some((at, look)) => Box::new(AtlasTexture::new(&mesh, at.uv, at.page, look.pages, at.frames)),
-                None => texture_of(&mesh, lapped, args.parallax),
+                None => {
+                    let painted = painted.as_ref().and_then(|(model, faces)| Painted::new(model, &mesh, faces, None));
+                    painted.map_or_else(|| texture_of(&mesh, lapped, args.parallax), |painted| Box::new(painted))
+                }
             };
             let subject = Subject { mesh: &mesh, texture: texture.as_ref(), lapped, guide: guide.as_ref() };
             match args.turntable {

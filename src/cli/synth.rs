@@ -6,10 +6,10 @@ use super::picture::{self, Size};
 use super::region::{found_steer, steer_of};
 use super::vertex_output;
 use super::{Common, report};
-use crate::exemplar::Channel;
-use crate::format::{check_output, read_exemplar, read_model};
-use crate::job::{Density, Direction, Steer, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on};
-use crate::mesh::{CleanOptions, CleanReport, clean};
+use crate::exemplar::{Channel, Exemplar, MipChain};
+use crate::format::{Model, check_output, read_exemplar, read_model};
+use crate::job::{Density, Direction, Painted, Steer, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on, transfer};
+use crate::mesh::{CleanOptions, CleanReport, Cleaned, clean};
 use crate::render::{View, sheet};
 use crate::synth::{SearchKind, SynthOptions, Window};
 use anyhow::{Context, bail};
@@ -17,7 +17,7 @@ use clap::Args;
 use glam::DVec3;
 use serde::Serialize;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Arguments of `lapped synth`.
@@ -32,6 +32,9 @@ Examples:
       lapped synth cat.obj fur.png -o cat.ply --scale 0.1 --field cat-field.json
   Height too, and the surface moved by it:
       lapped synth head.obj weave.png --height weave-height.png -o head.glb --displace 0.05
+  What another model is painted with, moved here:
+      lapped synth bunny.obj cow.glb -o bunny.glb
+      lapped synth bunny.obj spot.obj --exemplar-texture spot.png -o bunny.glb
   Better and slower, worse and as in the paper:
       lapped synth bunny.obj bricks.png -o bunny.glb --passes 6,6,4,3
       lapped synth bunny.obj bricks.png -o bunny.glb --paper --search tsvq
@@ -42,12 +45,15 @@ pub struct SynthArgs {
     /// The mesh: OBJ, PLY, STL, glTF or GLB
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
-    /// The example image, or a folder or file prefix of a material set
+    /// The example image, or a folder or file prefix of a material set; or a mesh with colours at its vertices
     #[arg(value_name = "EXEMPLAR")]
     pub exemplar: PathBuf,
     /// Where to write the result: .glb (colours in COLOR_0) or .ply
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
+    /// The image over the texture coordinates of an exemplar that is a mesh
+    #[arg(long, value_name = "IMAGE")]
+    pub exemplar_texture: Option<PathBuf>,
     /// How
     #[arg(long, value_enum, default_value_t = Method::WeiLevoy)]
     pub method: Method,
@@ -58,7 +64,8 @@ pub struct SynthArgs {
     /// World length of one exemplar width, instead of a number of vertices
     #[arg(long, value_name = "LENGTH", help_heading = "Size and direction")]
     pub scale: Option<f64>,
-    /// Longer side of the exemplar in pixels, to which it is brought first [default: its own, at most 128]
+    /// Longer side of the exemplar in pixels, to which it is brought first; a mesh is re-tiled into as many vertices as a square
+    /// of that side has pixels [default: its own, at most 128]
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Size and direction")]
     pub exemplar_size: Option<u32>,
     /// `random` for a direction of its own at every vertex; `relax:N` for the smoothest field of N ways; `curvature` to follow the
@@ -202,8 +209,7 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
         bail!("--displace is {}: give a length in world units", args.displace.unwrap_or_default());
     }
     let name = || args.mesh.display().to_string();
-    let (exemplar, told) = read_exemplar(&args.exemplar, &args.channels.options(args.color_only))?;
-    told.iter().for_each(|w| args.common.pass_on(w));
+    let exemplar = exemplar(args)?;
     let model = read_model(&args.mesh)?;
     model.source.notes.iter().for_each(|note| args.common.warn(&format!("{}: {note}", name())));
     let cleaned =
@@ -213,7 +219,10 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
         "random" => Direction::Random,
         "up" => Direction::Steered(Steer::Up(axis)),
         _ if args.up.is_some() => bail!("--up goes with --field up"),
-        "auto" => Direction::Steered(found_steer(&exemplar, &args.common)),
+        "auto" => Direction::Steered(match &exemplar {
+            Given::Image(image) => found_steer(image, &args.common),
+            Given::Mesh(..) => Steer::Relaxed(1),
+        }),
         named => Direction::Steered(steer_of(named, axis)?),
     };
     let options = options(args);
@@ -235,7 +244,17 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
         options,
     };
     let bar = Bar::new(args.common.quiet);
-    let done = synthesize_on(&cleaned, &exemplar, &job, &bar, &mut |_, _, _| ());
+    let done = match &exemplar {
+        Given::Image(image) => synthesize_on(&cleaned, image, &job, &bar, &mut |_, _, _| ()),
+        Given::Mesh(model, from, image) => {
+            let base = image.as_ref().and_then(|e| e.channel(Channel::BaseColor)).map(MipChain::finest);
+            let missing = if base.is_some() { "texture coordinates" } else { "colours at its vertices" };
+            let texture = Painted::new(model, &from.mesh, &from.user_faces, base).with_context(|| {
+                format!("{}: it has no {missing}: give one that has, or an image with --exemplar-texture", args.exemplar.display())
+            })?;
+            transfer(&cleaned, from, &texture, &job, &bar)
+        }
+    };
     bar.finish();
     let made = done.map_err(|e| match e {
         SynthJobError::Field(_) => anyhow::Error::new(e).context(args.field.clone()),
@@ -270,6 +289,33 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
         report::write(path, &report)?;
     }
     Ok(())
+}
+
+/// What is synthesised from.
+enum Given {
+    Image(Box<Exemplar>),
+    Mesh(Box<Model>, Box<Cleaned>, Option<Box<Exemplar>>),
+}
+
+/// Reads the exemplar: a mesh by its file's ending, an image otherwise.
+fn exemplar(args: &SynthArgs) -> anyhow::Result<Given> {
+    let read = |path: &Path| -> anyhow::Result<Box<Exemplar>> {
+        let (exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only))?;
+        told.iter().for_each(|w| args.common.pass_on(w));
+        Ok(Box::new(exemplar))
+    };
+    let ending = args.exemplar.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    if !matches!(ending.as_deref(), Some("obj" | "ply" | "stl" | "gltf" | "glb")) {
+        if let Some(image) = &args.exemplar_texture {
+            bail!("{}: --exemplar-texture goes with an exemplar that is a mesh", image.display());
+        }
+        return Ok(Given::Image(read(&args.exemplar)?));
+    }
+    let name = || args.exemplar.display().to_string();
+    let model = read_model(&args.exemplar)?;
+    let cleaned = clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?;
+    let image = args.exemplar_texture.as_deref().map(read).transpose()?;
+    Ok(Given::Mesh(Box::new(model), Box::new(cleaned), image))
 }
 
 fn options(args: &SynthArgs) -> SynthOptions {

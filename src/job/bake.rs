@@ -179,7 +179,7 @@ fn first_user(mesh: &Mesh, user_faces: &[UserFace]) -> Vec<u32> {
 }
 
 /// Something the model has at its vertices, at the corners of the mesh's faces.
-fn at_corners<T: Copy + Default>(
+pub(super) fn at_corners<T: Copy + Default>(
     model: &Model,
     mesh: &Mesh,
     user_faces: &[UserFace],

@@ -6,8 +6,8 @@
 //! 4. `synth` matches level by level.
 
 use super::paste::Steer;
-use crate::exemplar::stack::{Stack, resized, tiles};
-use crate::exemplar::{Exemplar, Wrap};
+use crate::exemplar::stack::{self, Stack, resized, tiles};
+use crate::exemplar::{Channel, Exemplar, Wrap};
 use crate::field::nway::align::least_curvature;
 use crate::field::nway::{NWayOptions, NWaySolver, Over, on_pyramid};
 use crate::field::{FieldError, FieldOptions, TangentField, constrained, default_scale};
@@ -17,11 +17,12 @@ use crate::mesh::pyramid::{Pyramid, pyramid};
 use crate::mesh::retile::{MAX_VERTICES, RetileError, RetileOptions, RetileStatistics};
 use crate::mesh::{Cleaned, Mesh};
 use crate::progress::Progress;
+use crate::surface::{SurfaceTexture, Texel};
 use crate::synth::{
     Frame, LevelDone, Levels, Source, SynthError, SynthOptions, SynthStatistics, VertexTexture, combed_right, random_right,
     synthesize,
 };
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
@@ -187,7 +188,7 @@ pub fn synthesize_on(
     let exemplar = prepared(exemplar, job.side, job.tiles);
     let count = levels_of(&exemplar, job.levels);
     let start = Instant::now();
-    let pyramid = retiled(&cleaned.mesh, &exemplar, job, count, progress)?;
+    let pyramid = retiled(&cleaned.mesh, exemplar.size()[0], job, count, progress)?;
     let retile_seconds = start.elapsed().as_secs_f64();
     let retile = pyramid.levels.iter().map(|l| l.statistics).collect();
     let start = Instant::now();
@@ -213,18 +214,109 @@ pub fn synthesize_on(
     Ok(Synthesized { texture, levels, report })
 }
 
-/// The re-tiled levels; as many of the `count` as the surface has room for.
-fn retiled(
-    mesh: &Mesh,
-    exemplar: &Exemplar,
+/// Synthesises from a textured mesh instead of an image (WL 5): `from` is re-tiled into `job.side` squared vertices ([`SIDE`]
+/// squared without one), which take what `texture` shows there, and its neighbourhoods take the place of the image's.
+///
+/// # Errors
+/// As [`synthesize_on`].
+pub fn transfer(
+    cleaned: &Cleaned,
+    from: &Cleaned,
+    texture: &dyn SurfaceTexture,
     job: &SynthJob,
-    count: usize,
     progress: &dyn Progress,
-) -> Result<Pyramid, SynthJobError> {
+) -> Result<Synthesized, SynthJobError> {
+    let start = Instant::now();
+    let exemplar_vertices = (job.side.unwrap_or(SIDE) as usize).pow(2);
+    let there = SynthJob { density: Density::Vertices(exemplar_vertices), ..job.clone() };
+    let exemplar_pyramid = retiled(&from.mesh, 1, &there, job.levels, progress)?;
+    let pyramid = retiled(&cleaned.mesh, 1, job, exemplar_pyramid.levels.len(), progress)?;
+    let retile_seconds = start.elapsed().as_secs_f64();
+    let retile = pyramid.levels.iter().map(|l| l.statistics).collect();
+    let start = Instant::now();
+    let (right, singularities) = directions(cleaned, &pyramid, job, progress)?;
+    let levels = Levels::of_pyramid(pyramid, right);
+    // The exemplar's directions are those of its own smoothest field, unless there is something to follow on it too.
+    let (right, _) = directions(from, &exemplar_pyramid, &follow(job), progress)?;
+    let exemplar_levels = Levels::of_pyramid(exemplar_pyramid, right);
+    let field_seconds = start.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let exemplar = painted(from, texture, &exemplar_levels);
+    let mut matched = Vec::new();
+    let vertices = exemplar.mesh.vertex_count();
+    for v in 0..vertices {
+        for (channel, values) in exemplar.all() {
+            let n = channel.components();
+            let value = std::array::from_fn(|k| values[v * n + k.min(n - 1)]);
+            stack::matched(*channel, value, &mut matched);
+        }
+    }
+    let source = Source::mesh(exemplar_levels, matched.len() / vertices.max(1), &matched);
+    let made = synthesize(&levels, &source, &job.options, progress, &mut |_| ())?;
+    let texture = VertexTexture::of_texture(levels.finest(), &exemplar, &made.places);
+    let seconds = [retile_seconds, field_seconds, start.elapsed().as_secs_f64()];
+    let spacing = texture.spacing;
+    let side = (vertices as f64).sqrt();
+    let report = SynthReport {
+        exemplar: [side.round() as u32; 2],
+        tiles: false,
+        scale: spacing * side,
+        spacing,
+        retile,
+        singularities,
+        synth: made.statistics,
+        seconds,
+    };
+    Ok(Synthesized { texture, levels, report })
+}
+
+/// The directions of an exemplar mesh: what is tied to the other mesh means nothing on this one.
+fn follow(job: &SynthJob) -> SynthJob {
+    let direction = match &job.direction {
+        Direction::Steered(Steer::Constraints(..) | Steer::Field(_)) => Direction::Steered(Steer::Relaxed(1)),
+        other => other.clone(),
+    };
+    SynthJob { direction, ..job.clone() }
+}
+
+/// What a texture shows at the vertices of the finest level.
+fn painted(from: &Cleaned, texture: &dyn SurfaceTexture, levels: &Levels) -> VertexTexture {
+    let (tree, level) = (Nearest::new(&from.mesh), levels.finest());
+    let texels: Vec<Texel> = (0..level.mesh.vertex_count() as u32)
+        .into_par_iter()
+        .map(|v| match tree.nearest(level.mesh.point(v)) {
+            Some(hit) => texture.texel(hit.at, level.spacing as f32),
+            None => Texel::empty(Vec3::Z),
+        })
+        .collect();
+    let of = |channel: Channel| -> (Channel, Vec<f32>) {
+        let value = |(t, frame): (&Texel, &Frame)| -> Vec3 {
+            match channel {
+                Channel::BaseColor => t.base_color,
+                Channel::Normal => {
+                    let n = t.normal.as_dvec3();
+                    DVec3::new(n.dot(frame.right), n.dot(frame.up), n.dot(frame.normal)).as_vec3()
+                }
+                Channel::Height => Vec3::splat(t.height),
+                Channel::Roughness => Vec3::splat(t.roughness),
+                Channel::Metallic => Vec3::splat(t.metallic),
+                Channel::Occlusion => Vec3::splat(t.occlusion),
+                Channel::Emissive => t.emissive,
+                Channel::Opacity => Vec3::splat(t.opacity),
+            }
+        };
+        let all = texels.iter().zip(&level.frames).map(value);
+        (channel, all.flat_map(|v| v.to_array().into_iter().take(channel.components())).collect())
+    };
+    VertexTexture::new(level, texture.channels().iter().map(of).collect())
+}
+
+/// The re-tiled levels; as many of the `count` as the surface has room for. An exemplar is `width` pixels wide.
+fn retiled(mesh: &Mesh, width: u32, job: &SynthJob, count: usize, progress: &dyn Progress) -> Result<Pyramid, SynthJobError> {
     let vertices = match job.density {
         Density::Vertices(n) => n,
         Density::Scale(scale) => {
-            let vertices = mesh.total_area() / (scale / f64::from(exemplar.size()[0])).powi(2);
+            let vertices = mesh.total_area() / (scale / f64::from(width)).powi(2);
             if !(scale > 0.0 && (4.0..=MAX_VERTICES as f64).contains(&vertices)) {
                 return Err(SynthJobError::Scale { scale, vertices });
             }

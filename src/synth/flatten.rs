@@ -147,12 +147,10 @@ impl<'a> Flattener<'a> {
         let a = self.placed[i];
         let fan = fans.of(a.vertex);
         let mut covered = 0;
-        for (k, spoke) in fan.iter().enumerate().filter(|(_, s)| s.face) {
-            let following = &fan[(k + 1) % fan.len()];
-            let (Some(j), Some(l)) = (self.index(spoke.to), self.index(following.to)) else { continue };
-            if j < i || l < i {
-                continue;
-            }
+        let following = fan.iter().skip(1).chain(fan.first());
+        for (spoke, following) in fan.iter().zip(following) {
+            let Some(j) = self.index(spoke.to).filter(|&j| j > i && spoke.face) else { continue };
+            let Some(l) = self.index(following.to).filter(|&l| l > i) else { continue };
             let (b, c) = (self.placed[j], self.placed[l]);
             let (ab, ac) = (b.at - a.at, c.at - a.at);
             let area = ab.perp_dot(ac);

@@ -28,16 +28,29 @@ pub struct VertexTexture {
     softer: OnceLock<Vec<Vec<Vec<f32>>>>,
 }
 
-/// A bilinear sample that knows what lies beyond the edge.
+/// A sample by Catmull's and Rom's cubic, within what the pixels around hold. Between vertices values are interpolated once more,
+/// and bilinear samples would be blurred twice.
 fn sample(image: &Image, wrap: Wrap, at: [f32; 2]) -> Vec3 {
-    if wrap == Wrap::Clamp {
-        return image.bilinear(at.into());
-    }
     let [w, h] = image.size().map(i64::from);
-    let (p, low) = (at.map(|a| a - 0.5), at.map(|a| (a - 0.5).floor()));
-    let ([u, v], [x, y]) = ([p[0] - low[0], p[1] - low[1]], low.map(|l| l as i64));
-    let pixel = |dx: i64, dy: i64| image.pixel((x + dx).rem_euclid(w), (y + dy).rem_euclid(h));
-    pixel(0, 0).lerp(pixel(1, 0), u).lerp(pixel(0, 1).lerp(pixel(1, 1), u), v)
+    let low = at.map(|a| (a - 0.5).floor());
+    let [x, y] = low.map(|l| l as i64);
+    let weights = |t: f32| {
+        let (t2, t3) = (t * t, t * t * t);
+        [-t3 + 2.0 * t2 - t, 3.0 * t3 - 5.0 * t2 + 2.0, -3.0 * t3 + 4.0 * t2 + t, t3 - t2].map(|w| w / 2.0)
+    };
+    let (across, down) = (weights(at[0] - 0.5 - low[0]), weights(at[1] - 0.5 - low[1]));
+    let (mut sum, mut least, mut most) = (Vec3::ZERO, Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for (j, v) in (-1..3).zip(down) {
+        for (i, u) in (-1..3).zip(across) {
+            let pixel = match wrap {
+                Wrap::Clamp => image.pixel(x + i, y + j),
+                Wrap::Repeat => image.pixel((x + i).rem_euclid(w), (y + j).rem_euclid(h)),
+            };
+            sum += pixel * (u * v);
+            (least, most) = (least.min(pixel), most.max(pixel));
+        }
+    }
+    sum.clamp(least, most)
 }
 
 impl VertexTexture {
