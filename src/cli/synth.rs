@@ -68,11 +68,11 @@ pub struct SynthArgs {
     /// of that side has pixels [default: its own, at most 128]
     #[arg(long, value_name = "PX", value_parser = clap::value_parser!(u32).range(1..=1024), help_heading = "Size and direction")]
     pub exemplar_size: Option<u32>,
-    /// `random` for a direction of its own at every vertex; `relax:N` for the smoothest field of N ways; `curvature` to follow the
+    /// `random` for a direction of its own at every vertex; `none` for the smoothest direction; `relax:N` for the smoothest field of N ways; `curvature` to follow the
     /// surface; `up` for --up; `auto` to let the exemplar decide; or a JSON file: constraints, or a field with a vector per face
     #[arg(
         long,
-        value_name = "auto|random|relax:N|curvature|up|FILE.json",
+        value_name = "auto|random|none|relax:N|curvature|up|FILE.json",
         default_value = "auto",
         help_heading = "Size and direction"
     )]
@@ -217,6 +217,7 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
     let axis = args.up.unwrap_or(DVec3::Y);
     let direction = match args.field.as_str() {
         "random" => Direction::Random,
+        "none" => Direction::Steered(Steer::Isotropic(None)),
         "up" => Direction::Steered(Steer::Up(axis)),
         _ if args.up.is_some() => bail!("--up goes with --field up"),
         "auto" => Direction::Steered(match &exemplar {

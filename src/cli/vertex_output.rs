@@ -69,7 +69,7 @@ fn ply(out: &mut dyn Write, mesh: &Mesh, texture: &VertexTexture) -> io::Result<
         match channel {
             Channel::BaseColor => write!(out, "property uchar red\nproperty uchar green\nproperty uchar blue\n")?,
             c if c.components() == 3 => {
-                ["x", "y", "z"].iter().try_for_each(|k| writeln!(out, "property float {}_{k}", c.name()))?
+                ["x", "y", "z"].iter().try_for_each(|k| writeln!(out, "property float {}_{k}", c.name()))?;
             }
             c => writeln!(out, "property float {}", c.name())?,
         }

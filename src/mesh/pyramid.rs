@@ -70,10 +70,12 @@ pub fn parents(fine: &Mesh, coarse: &Mesh) -> Vec<Parent> {
         let out = tree.ray(from, normal, reach);
         let within = out.map_or(reach, |hit| hit.distance);
         let hit = tree.ray(from, -normal, within).filter(|hit| hit.distance < within || out.is_none()).or(out);
-        match (hit, tree.nearest(from)) {
-            (Some(hit), _) => Parent { at: hit.at, along_normal: true },
-            (None, Some(hit)) => Parent { at: hit.at, along_normal: false },
-            (None, None) => Parent { at: SurfacePoint { face: 0, bary: glam::Vec3::X }, along_normal: false },
+        match hit {
+            Some(hit) => Parent { at: hit.at, along_normal: true },
+            None => {
+                let nowhere = SurfacePoint { face: 0, bary: glam::Vec3::X };
+                Parent { at: tree.nearest(from).map_or(nowhere, |hit| hit.at), along_normal: false }
+            }
         }
     };
     (0..fine.vertex_count() as u32).into_par_iter().map(one).collect()

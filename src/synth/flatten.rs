@@ -6,7 +6,7 @@
 //! We differ in how a new vertex finds its place. The paper averages triangles similar to those in space, which lets errors grow
 //! from triangle to triangle. Here a vertex is placed by all its neighbours placed already: each knows where it lies in its own
 //! tangent plane (the discrete exponential map of Schmidt, Grimm, Wyvill, "Interactive decal compositing with discrete
-//! exponential maps", SIGGRAPH 2006), and their mean is taken. Lengths along the way are true, nothing runs away, and a vertex costs a
+//! exponential maps", SIGGRAPH 2006), and their mean is taken (of three at most). Lengths along the way are true, nothing runs away, and a vertex costs a
 //! few dozen operations. On a regular grid both are exact.
 //!
 //! 1. Start with the point's own vertex, or with the corners of its parent face projected along its normal (sec. 3.3).
@@ -27,6 +27,12 @@ const APART: f32 = 0.6;
 
 /// Faces with an edge this many times shorter or longer than in space do not count.
 const STRETCH: f32 = 2.0;
+
+/// Vertices of a patch at most; a template of the longest side covers about a thousand.
+const MOST: u32 = 1 << 13;
+
+/// Neighbours that place a vertex at most; more hardly change their mean.
+const ASKED: f32 = 3.0;
 
 /// A sample this near to a vertex, as a share of the face, takes the vertex's value alone: rounding must not blend in others.
 const SNAP: f32 = 1e-4;
@@ -53,8 +59,9 @@ pub(super) struct Blend {
 #[derive(Debug)]
 pub(super) struct Flattener<'a> {
     fans: &'a Fans,
-    marks: Vec<(u32, u32)>,
-    epoch: u32,
+    /// For each vertex the round in which it was placed last, and its place in that round, in the low bits.
+    marks: Vec<u32>,
+    round: u32,
     placed: Vec<Placed>,
     /// Faces that flipped or were stretched, and samples no face covered, so far.
     pub(super) flipped: u64,
@@ -63,16 +70,17 @@ pub(super) struct Flattener<'a> {
 
 impl<'a> Flattener<'a> {
     pub(super) fn new(fans: &'a Fans) -> Self {
-        Self { fans, marks: vec![(0, 0); fans.len()], epoch: 0, placed: Vec::new(), flipped: 0, uncovered: 0 }
+        Self { fans, marks: vec![0; fans.len()], round: 0, placed: Vec::new(), flipped: 0, uncovered: 0 }
     }
 
+    #[inline]
     fn index(&self, vertex: u32) -> Option<usize> {
-        let (epoch, index) = self.marks[vertex as usize];
-        (epoch == self.epoch).then_some(index as usize)
+        let index = self.marks[vertex as usize].wrapping_sub(self.round);
+        (index < MOST).then_some(index as usize)
     }
 
     fn place(&mut self, placed: Placed) {
-        self.marks[placed.vertex as usize] = (self.epoch, self.placed.len() as u32);
+        self.marks[placed.vertex as usize] = self.round + self.placed.len() as u32;
         self.placed.push(placed);
     }
 
@@ -98,7 +106,11 @@ impl<'a> Flattener<'a> {
     }
 
     fn grow(&mut self, seeds: &[Placed], reach: f32) {
-        self.epoch += 1;
+        // Rounds are so far apart that a mark of one is never taken for another's.
+        self.round = self.round.checked_add(MOST).unwrap_or_else(|| {
+            self.marks.fill(0);
+            MOST
+        });
         self.placed.clear();
         for &seed in seeds {
             if self.index(seed.vertex).is_none() {
@@ -115,7 +127,7 @@ impl<'a> Flattener<'a> {
                 continue;
             }
             for spoke in fans.of(from.vertex) {
-                if self.index(spoke.to).is_none() {
+                if self.index(spoke.to).is_none() && self.placed.len() < MOST as usize {
                     let first = from.at + from.turn.rotate(spoke.out);
                     let placed = self.averaged(spoke.to, first);
                     self.place(placed);
@@ -135,6 +147,9 @@ impl<'a> Flattener<'a> {
                 sum += here;
                 turn += from.turn.rotate(Vec2::new(spoke.turn.x, -spoke.turn.y));
                 count += 1.0;
+                if count == ASKED {
+                    break;
+                }
             }
         }
         let at = if count > 0.0 { sum / count } else { first };

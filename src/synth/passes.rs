@@ -93,7 +93,7 @@ pub fn synthesize(
         let candidates = Candidates::new(source, level, window, options.middle, options.soften);
         let vertices = levels.levels()[level].mesh.vertex_count();
         let mut values = vec![Values::new(vertices, &source.mean(level))];
-        values.extend(coarser.drain(..));
+        values.append(&mut coarser);
         let mut random = Random::new(options.seed, 0x5E7 + from_coarsest as u64);
         let places = (0..vertices).map(|_| candidates.place(random.below(candidates.len() as u64) as u32)).collect();
         let mut work =

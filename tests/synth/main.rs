@@ -1,4 +1,5 @@
 //! Synthesis over surfaces.
+mod corpus;
 mod flat;
 mod odd;
 mod whole;

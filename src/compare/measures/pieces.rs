@@ -70,7 +70,9 @@ pub fn of_surface(at: &Placed, side: usize, count: usize, seed: u64) -> Pieces {
 /// pieces if that part is too small, unless the exemplar tiles.
 #[must_use]
 pub fn of_image(exemplar: &Exemplar, side: usize, count: usize, seed: u64, part: [f64; 2]) -> Pieces {
-    let Some(image) = exemplar.channel(Channel::BaseColor).map(|c| c.finest()) else { return Pieces { side, data: Vec::new() } };
+    let Some(image) = exemplar.channel(Channel::BaseColor).map(crate::exemplar::MipChain::finest) else {
+        return Pieces { side, data: Vec::new() };
+    };
     let [w, h] = image.size().map(f64::from);
     let tiles = exemplar.wrap == Wrap::Repeat;
     let reach = if tiles { 0.0 } else { side as f64 / 2.0 };
