@@ -25,7 +25,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// How to bake.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BakeOptions {
-    /// Samples along each side of a texel: 1, 2, 4 or 8.
+    /// Samples along each side of a texel: 1, 2, 4 or 8. The texture is asked over the footprint of a sample, so one is enough
+    /// where texels are no larger than what the texture is made of.
     pub samples: u32,
     /// Colour of the surface where no texture covers it, linear light.
     pub bare: Vec3,
@@ -35,7 +36,7 @@ pub struct BakeOptions {
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { samples: 2, bare: Vec3::new(0.42, 0.40, 0.38), seams: true }
+        Self { samples: 1, bare: Vec3::new(0.42, 0.40, 0.38), seams: true }
     }
 }
 

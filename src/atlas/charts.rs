@@ -155,7 +155,7 @@ pub(super) fn pack(
         uvunwrap::Error::ChartTooLarge { .. } => AtlasError::NoRoom { charts, margin, pages: options.pages, size },
         other => AtlasError::Unwrap(other.to_string()),
     };
-    let input = Input::new(mesh, charts);
+    let mut input = Input::new(mesh, charts);
     let mut settings = uvunwrap::Options::default();
     settings.padding = padding;
     settings.density = Density::Auto { page_size: grid };
@@ -167,21 +167,22 @@ pub(super) fn pack(
         return Err(AtlasError::NoRoom { charts: made.chart_count as usize, margin, pages: 1, size });
     }
     if options.pages > 1 {
-        made = fill_pages(mesh, &input, made, settings, (grid, options.pages), progress).map_err(|e| fail(e, 0))?;
+        (input, made) = fill_pages(mesh, &input, &made, settings, (grid, options.pages), progress).map_err(|e| fail(e, 0))?;
     }
     Ok(collect(mesh, &input, &made, (grid, size, margin)))
 }
 
-/// Packs charts that are made already at the largest density that needs no more than the pages asked for.
+/// Packs charts that are made already at the largest density that needs no more than the pages asked for. Returns the answer and
+/// what it answers.
 fn fill_pages(
     mesh: &Mesh,
     input: &Input,
-    made: uvunwrap::Atlas,
+    made: &uvunwrap::Atlas,
     mut settings: uvunwrap::Options,
     (grid, pages): (u32, u32),
     progress: &dyn Progress,
-) -> Result<uvunwrap::Atlas, uvunwrap::Error> {
-    let flat = collect(mesh, input, &made, (grid, grid, 0));
+) -> Result<(Input, uvunwrap::Atlas), uvunwrap::Error> {
+    let flat = collect(mesh, input, made, (grid, grid, 0));
     // Charts of different pages must not share a point.
     let place = |v: usize, page: u32| flat.uv[v].as_dvec2() * DVec2::new(1.0, -1.0) + DVec2::new(2.0 * f64::from(page), 0.0);
     let mut page_of = vec![0; flat.vertices.len()];
@@ -194,7 +195,7 @@ fn fill_pages(
     loop {
         settings.density = Density::Fixed { texels_per_unit: density as f32, page_size: Some(grid) };
         match again.generate(&settings, progress) {
-            Ok(packed) if packed.page_count <= pages => return Ok(packed),
+            Ok(packed) if packed.page_count <= pages => return Ok((again, packed)),
             Ok(_) | Err(uvunwrap::Error::ChartTooLarge { .. }) => density *= DENSITY_STEP,
             Err(error) => return Err(error),
         }

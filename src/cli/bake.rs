@@ -5,8 +5,8 @@ use super::{Common, picture, report};
 use crate::atlas::{Atlas, BakeOptions, ChartMethod, UnwrapOptions};
 use crate::format::export::{Export, Kind, write_layers, write_look};
 use crate::format::{Model, Record, check_output, read_record, save_image, write_record};
-use crate::job::bake::{chart_colors, default_size, page_view, with_normals};
-use crate::job::{BakeJob, BakeReport, BakedModel, Bound, Coordinates, Displace, bake_record, displace_mesh};
+use crate::job::bake::{chart_colors, default_samples, default_size, page_view, with_normals};
+use crate::job::{BakeJob, BakeReport, BakedModel, Bound, Coordinates, Displace, bake_record, bake_record_sized, displace_mesh};
 use crate::mesh::Mesh;
 use crate::paste::Composite;
 use crate::render::{PreviewStyle, Subject, UpAxis, preview};
@@ -75,9 +75,9 @@ pub struct AtlasArgs {
     /// Mip levels below the finest that show no other chart's colour; each doubles the gutters
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub mips: u32,
-    /// Samples along each side of a texel: 1, 2, 4 or 8
-    #[arg(long = "bake-samples", value_name = "N", default_value_t = 2, value_parser = samples)]
-    pub bake_samples: u32,
+    /// Samples along each side of a texel: 1, 2, 4 or 8 [default: as many as it holds pixels of the exemplar, about]
+    #[arg(long, value_name = "N", value_parser = samples)]
+    pub bake_samples: Option<u32>,
     /// How charts are made
     #[arg(long, value_enum, value_name = "HOW", default_value_t = ChartArg::Auto)]
     pub charts: ChartArg,
@@ -116,16 +116,19 @@ pub enum UvArg {
 }
 
 impl AtlasArgs {
-    /// The job, at a size that suits what is baked unless one was given.
+    /// The job for a record, at a size that suits it unless one was given.
     #[must_use]
-    pub fn job(&self, size: u32) -> BakeJob {
+    pub fn job(&self, bound: &Bound) -> BakeJob {
+        let (mesh, lapped) = (&bound.mesh, &bound.lapped);
+        let size = self.size.unwrap_or_else(|| default_size(mesh, lapped));
+        let samples = self.bake_samples.unwrap_or_else(|| default_samples(mesh, lapped, size));
         BakeJob {
             coordinates: match self.uv {
                 UvArg::Charts => Coordinates::Charts,
                 UvArg::Keep => Coordinates::Own,
             },
             unwrap: UnwrapOptions {
-                size: self.size.unwrap_or(size),
+                size,
                 pages: self.pages,
                 mips: self.mips,
                 method: match self.charts {
@@ -134,7 +137,7 @@ impl AtlasArgs {
                 },
                 ..UnwrapOptions::default()
             },
-            bake: BakeOptions { samples: self.bake_samples, ..BakeOptions::default() },
+            bake: BakeOptions { samples, ..BakeOptions::default() },
             crease: None,
         }
     }
@@ -203,8 +206,11 @@ pub fn run(args: &BakeArgs) -> anyhow::Result<()> {
 /// # Errors
 /// If the charts do not fit.
 pub(super) fn baked(record: Record, bound: &Bound, args: &AtlasArgs, bar: &Bar) -> anyhow::Result<(Record, Atlas, BakeReport)> {
-    let job = args.job(default_size(&bound.mesh, &bound.lapped));
-    Ok(bake_record(record, bound, &job, bar)?)
+    let job = args.job(bound);
+    Ok(match args.size {
+        Some(_) => bake_record(record, bound, &job, bar)?,
+        None => bake_record_sized(&record, bound, &job, bar)?,
+    })
 }
 
 /// The pictures of charts that were asked for.
@@ -230,7 +236,7 @@ fn displaced(
     bar: &Bar,
 ) -> anyhow::Result<(Record, Atlas, BakeReport)> {
     let texture = Composite::new(&bound.mesh, &bound.lapped);
-    let job = args.atlas.job(default_size(&bound.mesh, &bound.lapped));
+    let job = args.atlas.job(bound);
     let displace = Displace { height, faces: args.displace_faces };
     let BakedModel { model, look, atlas, report } = displace_mesh(&bound.mesh, &texture, &job, &displace, bar)?;
     let model = Model { name: record.model.name.clone(), ..model };

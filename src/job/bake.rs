@@ -341,11 +341,49 @@ const FILLED: f64 = 0.6;
 /// The sizes that are chosen from when nobody says: a bake that shows all the exemplar has, within reason.
 const SIZES: [u32; 4] = [256, 512, 1024, 2048];
 
+/// A larger page than those is tried if the charts with their gutters find no room.
+const LARGEST: u32 = 8192;
+
+/// Texels a world unit on a page of so many texels a side, before the charts are made.
+fn expected_density(mesh: &Mesh, size: u32) -> f64 {
+    let area = mesh.total_area();
+    if area > 0.0 { f64::from(size) * (FILLED / area).sqrt() } else { 0.0 }
+}
+
 /// Texels along each side of an atlas that keeps the exemplars' density, 2048 at most.
 #[must_use]
 pub fn default_size(mesh: &Mesh, lapped: &LappedTexture) -> u32 {
-    let side = exemplar_density(mesh, lapped) * (mesh.total_area() / FILLED).sqrt();
-    SIZES.into_iter().find(|&s| f64::from(s) >= side).unwrap_or(SIZES[SIZES.len() - 1])
+    let wanted = exemplar_density(mesh, lapped);
+    SIZES.into_iter().find(|&s| expected_density(mesh, s) >= wanted).unwrap_or(SIZES[SIZES.len() - 1])
+}
+
+/// Samples along each side of a texel: one where a texel holds no more than a pixel or so of the exemplars, as many as it takes
+/// where it holds more.
+#[must_use]
+pub fn default_samples(mesh: &Mesh, lapped: &LappedTexture, size: u32) -> u32 {
+    let pixels = exemplar_density(mesh, lapped) / expected_density(mesh, size);
+    [1, 2, 4].into_iter().find(|&n| pixels <= 1.5 * f64::from(n)).unwrap_or(8)
+}
+
+/// Bakes a record at a size that suits it, on a larger page where that has no room for the charts and their gutters.
+///
+/// # Errors
+/// As [`bake_model`].
+pub fn bake_record_sized(
+    record: &Record,
+    bound: &Bound,
+    job: &BakeJob,
+    progress: &dyn Progress,
+) -> Result<(Record, Atlas, BakeReport), AtlasError> {
+    let mut size = default_size(&bound.mesh, &bound.lapped);
+    loop {
+        let mut job = job.clone();
+        job.unwrap.size = size;
+        match bake_record(record.clone(), bound, &job, progress) {
+            Err(AtlasError::NoRoom { .. }) if size < LARGEST => size *= 2,
+            done => return done,
+        }
+    }
 }
 
 /// Texels along a side of a picture of charts.

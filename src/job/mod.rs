@@ -17,7 +17,7 @@ pub mod regions;
 pub mod synth;
 
 pub use area::{Area, AreaError, Where};
-pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record};
+pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record, bake_record_sized};
 pub use bind::Bound;
 pub use displace::{Displace, displace_mesh};
 pub use estimate::{Estimate, Work, available_memory};
