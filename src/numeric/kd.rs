@@ -88,11 +88,11 @@ pub struct Finder<'a> {
 }
 
 impl Finder<'_> {
-    /// The nearest row among those of `leaves` leaves, and its squared distance; with as many leaves as there are, the
-    /// nearest of all.
-    pub fn nearest(&mut self, query: &[f32], leaves: usize) -> (u32, f32) {
+    /// The nearest row among those of `leaves` leaves, if it is nearer than `within` (a squared distance), and its own squared
+    /// distance; with as many leaves as there are, the nearest of all.
+    pub fn nearest(&mut self, query: &[f32], leaves: usize, within: f32) -> Option<(u32, f32)> {
         let tree = self.tree;
-        let mut best = (f32::INFINITY, 0_u32);
+        let mut best = (within, u32::MAX);
         let mut left = leaves;
         self.queue.clear();
         self.queue.push(Reverse((0, 0)));
@@ -115,13 +115,13 @@ impl Finder<'_> {
             }
             for k in node.start..node.end {
                 let squared = distance_squared(query, tree.rows.row(k as usize));
-                if squared < best.0 || (squared == best.0 && tree.names[k as usize] < best.1) {
+                if squared < best.0 || (squared == best.0 && best.1 != u32::MAX && tree.names[k as usize] < best.1) {
                     best = (squared, tree.names[k as usize]);
                 }
             }
             left -= 1;
         }
-        (best.1, best.0)
+        (best.1 != u32::MAX).then_some((best.1, best.0))
     }
 }
 
@@ -142,8 +142,9 @@ mod tests {
             let query: Vec<f32> = (0..6).map(|_| random.unit() as f32).collect();
             let near = |i: &usize| distance_squared(&query, rows.row(*i));
             let truth = (0..rows.len()).min_by(|a, b| near(a).total_cmp(&near(b))).expect("there are rows");
-            assert_eq!(finder.nearest(&query, usize::MAX).0 as usize, truth, "all leaves");
-            few += finder.nearest(&query, 8).1.sqrt();
+            assert_eq!(finder.nearest(&query, usize::MAX, f32::INFINITY).expect("one").0 as usize, truth, "all leaves");
+            assert_eq!(finder.nearest(&query, usize::MAX, near(&truth)), None, "nothing is nearer than the nearest");
+            few += finder.nearest(&query, 8, f32::INFINITY).expect("one").1.sqrt();
             least += near(&truth).sqrt();
         }
         assert!(few < 1.1 * least, "eight leaves are {} times as far", few / least);

@@ -61,8 +61,13 @@ impl Search for Fast {
                     best = (squared, k as u32);
                 }
             }
-            let (row, squared) = finder.nearest(&point, LEAVES);
-            if best.0 <= PREFERENCE * squared { Choice::Nearby(best.1) } else { Choice::Row(row) }
+            // Only a row that is nearer by the factor can be preferred, and most of the tree is farther than that.
+            match finder.nearest(&point, LEAVES, best.0 / PREFERENCE) {
+                Some((row, _)) => Choice::Row(row),
+                None if best.0 < f32::INFINITY => Choice::Nearby(best.1),
+                // Distances that are no numbers, from channels that hold none, leave nothing to choose by.
+                None => Choice::Row(0),
+            }
         };
         queries.iter().enumerate().map(&mut one).collect()
     }
