@@ -1,5 +1,6 @@
 //! `lapped synth`: a mesh and an exemplar in, a re-tiled mesh whose vertices hold a texture that looks like the exemplar out.
 
+use super::bake::in_words;
 use super::bar::Bar;
 use super::channels::ChannelArgs;
 use super::picture::{self, Size};
@@ -7,11 +8,14 @@ use super::region::{found_steer, steer_of};
 use super::vertex_output;
 use super::{Common, report};
 use crate::exemplar::{Channel, Exemplar, MipChain};
-use crate::format::{Model, check_output, read_exemplar, read_model};
-use crate::job::{Density, Direction, Painted, Steer, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on, transfer};
+use crate::format::{Model, check_output, export, read_exemplar, read_model};
+use crate::job::{
+    BakeJob, Density, Direction, Painted, Steer, SynthJob, SynthJobError, SynthReport, Synthesized, bake_model, synthesize_on,
+    transfer,
+};
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, clean};
 use crate::render::{View, sheet};
-use crate::synth::{SearchKind, SynthOptions, Window};
+use crate::synth::{OnMesh, SearchKind, SynthOptions, Window};
 use anyhow::{Context, bail};
 use clap::Args;
 use glam::DVec3;
@@ -32,6 +36,8 @@ Examples:
       lapped synth cat.obj fur.png -o cat.ply --scale 0.1 --field cat-field.json
   Height too, and the surface moved by it:
       lapped synth head.obj weave.png --height weave-height.png -o head.glb --displace 0.05
+  Baked onto the mesh as it came, its own faces with charts and an image:
+      lapped synth bunny.obj moss.jpg -o vertices.glb --bake bunny-moss.glb --bake-size 2048
   What another model is painted with, moved here:
       lapped synth bunny.obj cow.glb -o bunny.glb
       lapped synth bunny.obj spot.obj --exemplar-texture spot.png -o bunny.glb
@@ -120,6 +126,13 @@ pub struct SynthArgs {
     #[arg(long, value_name = "TOL", default_value_t = 0.0, help_heading = "Method")]
     pub weld: f64,
 
+    /// Also bake the result onto the mesh as it came: its own faces, with charts and images (.glb, .gltf, .obj)
+    #[arg(long, value_name = "OUT", help_heading = "Bake")]
+    pub bake: Option<PathBuf>,
+    /// Texels along each side of the baked images
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(16..=16384), help_heading = "Bake")]
+    pub bake_size: u32,
+
     /// Also draw the result: four views on one sheet
     #[arg(long, value_name = "FILE.png", help_heading = "Pictures")]
     pub preview: Option<PathBuf>,
@@ -195,7 +208,8 @@ struct RunReport {
 pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
     let begin = Instant::now();
     let kind = vertex_output::kind(&args.output)?;
-    [Some(&args.output), args.preview.as_ref(), args.common.report.as_ref()]
+    let bake_kind = args.bake.as_deref().map(export::Kind::of).transpose()?;
+    [Some(&args.output), args.preview.as_ref(), args.bake.as_ref(), args.common.report.as_ref()]
         .into_iter()
         .flatten()
         .try_for_each(|p| check_output(p))?;
@@ -268,6 +282,19 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
     let moved = args.displace.map(|depth| made.texture.displaced(depth));
     let mesh = moved.as_ref().unwrap_or(&made.texture.mesh);
     vertex_output::write(&args.output, kind, &model.name, mesh, &made.texture)?;
+    if let (Some(path), Some(kind)) = (&args.bake, bake_kind) {
+        // What was made lies on another mesh; each point of the model's own looks at the nearest one there.
+        let texture = OnMesh::new(&cleaned.mesh, &made.texture);
+        let job = BakeJob::sized(args.bake_size);
+        let baked = bake_model(&model, &cleaned.mesh, &cleaned.user_faces, &texture, &job, &bar);
+        bar.finish();
+        let baked = baked.with_context(name)?;
+        let generator = concat!("lapped ", env!("CARGO_PKG_VERSION"));
+        export::write_look(path, kind, &export::Export { model: &baked.model, look: &baked.look, generator })?;
+        if !args.common.quiet {
+            let _ = writeln!(std::io::stdout(), "{}: {}", path.display(), in_words(&baked.report));
+        }
+    }
     if let Some(path) = &args.preview {
         let options = picture::views(args.camera, args.preview_size.0, 2, false, picture::up_axis(args.up));
         picture::save(path, &sheet(mesh, &made.texture, &options)?)?;
