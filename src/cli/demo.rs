@@ -6,7 +6,8 @@ use crate::assets::{exemplar, mesh};
 use crate::exemplar::PatchSource;
 use crate::exemplar::PatchSpec;
 use crate::format::{check_output, write_record};
-use crate::job::{BakeJob, Bound, ExemplarInput, JobReport, PasteJob, Scale, Steer, bake_record_sized, paste_model};
+use crate::job::bake::default_size;
+use crate::job::{BakeJob, Bound, ExemplarInput, JobReport, PasteJob, Scale, Steer, bake_record, paste_model};
 use crate::paste::Composite;
 use crate::render::{Picture, PreviewStyle, Subject, UpAxis, View, preview};
 use anyhow::Context;
@@ -71,6 +72,9 @@ const SHOWS: [Show; 8] = [
 
 /// Width and height of a picture in the gallery, pixels.
 const PICTURE: u32 = 400;
+
+/// Texels along each side of the bakes, at most: the demo is to be quick.
+const LARGEST_BAKE: u32 = 1024;
 
 /// Width and height of a sheet of four views, pixels.
 const SHEET: u32 = 640;
@@ -163,7 +167,8 @@ fn one(args: &DemoArgs, show: &Show, explain: bool, bar: &Bar) -> anyhow::Result
     let file = |suffix: &str| args.output.join(format!("{}{suffix}", show.name));
     let texture = Composite::new(&pasted.mesh, &pasted.lapped);
     let bound = Bound::new(pasted.record.clone())?;
-    let (record, ..) = bake_record_sized(&pasted.record, &bound, &BakeJob::default(), bar)?;
+    let size = default_size(&bound.mesh, &bound.lapped).min(LARGEST_BAKE);
+    let (record, ..) = bake_record(pasted.record, &bound, &BakeJob::sized(size), bar)?;
     write_record(&file(".glb"), &record)?;
     let subject = Subject { mesh: &pasted.mesh, texture: &texture, lapped: Some(&pasted.lapped), guide: Some(&pasted.guide) };
     let sheet = picture::views(None, [SHEET; 2], 2, false, UpAxis::Y);

@@ -27,7 +27,7 @@ fn check(mesh: &Mesh, atlas: &Atlas, name: &str) {
         assert_eq!(corners.map(|v| atlas.vertices[v as usize]), mesh.faces[f], "{name}: face {f} keeps its vertices");
     }
     assert!(atlas.uv.iter().all(|p| p.cmpge(Vec2::ZERO).all() && p.cmple(Vec2::ONE).all()), "{name}: within the page");
-    let found = measure::overlap(mesh, atlas, 4096);
+    let found = measure::overlap(mesh, atlas, 2048);
     assert_eq!((found.shared_texels, found.doubled_texels), (0, 0), "{name}: no texel is owned twice");
     assert_eq!(found.flipped_faces, 0, "{name}: no face lies upside down");
 }

@@ -2,7 +2,7 @@
 //!
 //! It reads the file with the `gltf` crate and rasterizes on its own, sample by sample.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test may fail by panicking")]
 
 use glam::{DVec2, Vec2, Vec3};
 use lapped::exemplar::srgb;

@@ -83,6 +83,7 @@ fn a_record_with_a_bake_is_still_the_record() {
     assert_eq!(found.model.faces.len(), record.model.faces.len(), "face for face");
     let shown = Shown::read(&path);
     same_geometry(&shown, &record.model);
+    assert_eq!(shown.own_uv.is_some(), record.model.uvs.is_some(), "a second set of coordinates only where the user had one");
     let (model, look) = read_look(&path).unwrap().unwrap();
     assert_eq!(model.faces.len(), record.model.faces.len(), "the look is of all faces");
     assert_eq!(look.pages.len(), 1, "one page");

@@ -21,7 +21,7 @@ fn place() -> Place {
 
 /// Pastes with these flags; the normals of the record's exemplar and what was said.
 fn paste(place: &Place, flags: &[&str]) -> (Vec<f32>, String) {
-    let out = place.run(&[&["paste", "mesh.obj", "one.png", "-o", "out/a.glb"], flags].concat());
+    let out = place.run(&[&["paste", "--no-bake", "mesh.obj", "one.png", "-o", "out/a.glb"], flags].concat());
     assert_eq!(out.status.code(), Some(0), "{flags:?}: {}", text(&out.stderr));
     let record = lapped::format::read_record(&place.path("out/a.glb")).unwrap();
     (record.lapped.exemplars[0].channel(Channel::Normal).unwrap().finest().data().to_vec(), text(&out.stderr))
@@ -73,7 +73,7 @@ fn every_channel_may_be_named_and_sizes_are_brought_together() {
 #[test]
 fn one_map_for_two_exemplars_is_refused() {
     let place = place();
-    let out = place.run(&["paste", "mesh.obj", "one.png", "wood.png", "-o", "out/a.glb", "--normal", "up.png"]);
+    let out = place.run(&["paste", "--no-bake", "mesh.obj", "one.png", "wood.png", "-o", "out/a.glb", "--normal", "up.png"]);
     let said = text(&out.stderr);
     assert_eq!(out.status.code(), Some(1), "{said}");
     assert!(said.contains("up.png") && said.contains("2 exemplars") && said.contains("give one"), "{said}");
@@ -85,7 +85,7 @@ fn light_above_one_is_told_before_it_is_cut_off() {
     let place = place();
     let bright = image::Rgb32FImage::from_fn(32, 32, |x, _| image::Rgb([if x < 8 { 4.0 } else { 0.5 }; 3]));
     bright.save(place.path("bright.exr")).unwrap();
-    let out = place.run(&["paste", "mesh.obj", "bright.exr", "-o", "out/a.glb"]);
+    let out = place.run(&["paste", "--no-bake", "mesh.obj", "bright.exr", "-o", "out/a.glb"]);
     let said = text(&out.stderr);
     assert_eq!(out.status.code(), Some(0), "{said}");
     assert!(said.contains("warning: bright.exr") && said.contains("25.0 %") && said.contains("above 1"), "{said}");

@@ -64,7 +64,7 @@ fn options_of_paste_take_effect() {
     ];
     let mut seen = Vec::new();
     for extra in lines {
-        let args = [&["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--report", "out/a.json"], extra].concat();
+        let args = [&["paste", "--no-bake", "mesh.obj", "wood.png", "-o", "out/a.glb", "--report", "out/a.json"], extra].concat();
         let (stdout, _) = succeeds(&place, &args);
         assert_eq!(stdout.is_empty(), extra.contains(&"--quiet"), "{extra:?} says {stdout:?}");
         assert!(json(&place, "out/a.json")["paste"]["least_alpha"].as_f64().unwrap() >= 0.98, "{extra:?}: covered");
@@ -79,7 +79,7 @@ fn options_of_paste_take_effect() {
 #[test]
 fn render_draws_records_and_bare_meshes() {
     let place = Place::new();
-    succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
+    succeeds(&place, &["paste", "--no-bake", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
     let mut pictures = Vec::new();
     let styles: [&[&str]; 5] = [
         &[],
@@ -106,7 +106,7 @@ fn render_draws_records_and_bare_meshes() {
 #[ignore = "needs graphics adapters, software will do: cargo test --test cli graphics_adapters -- --include-ignored"]
 fn render_draws_on_graphics_adapters() {
     let place = Place::new();
-    succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
+    succeeds(&place, &["paste", "--no-bake", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
     let (listed, _) = succeeds(&place, &["inspect", "--gpu"]);
     assert!(listed.contains("vulkan") && listed.contains("gl"), "adapters are listed: {listed}");
     let draw = |mode: &str, adapter: &str| {
@@ -147,7 +147,7 @@ fn a_turntable_is_an_animation_or_a_folder() {
 #[test]
 fn inspect_tells_meshes_records_and_images_apart() {
     let place = Place::new();
-    succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
+    succeeds(&place, &["paste", "--no-bake", "mesh.obj", "wood.png", "-o", "out/a.glb", "--quiet"]);
     for file in ["mesh.obj", "out/a.glb", "wood.png"] {
         let (plain, _) = succeeds(&place, &["inspect", file]);
         assert!(!plain.trim().is_empty(), "{file}: something is told");
@@ -240,7 +240,10 @@ fn threads_change_no_byte_of_what_is_written() {
     let place = Place::new();
     for threads in ["1", "2", "3"] {
         let out = format!("out/{threads}.glb");
-        succeeds(&place, &["paste", "mesh.obj", "wood.png", "-o", &out, "--ratio", "60", "--threads", threads, "--quiet"]);
+        succeeds(
+            &place,
+            &["paste", "--size", "256", "mesh.obj", "wood.png", "-o", &out, "--ratio", "60", "--threads", threads, "--quiet"],
+        );
     }
     let bytes = ["1", "2", "3"].map(|t| std::fs::read(place.path(&format!("out/{t}.glb"))).unwrap());
     assert!(bytes[0] == bytes[1] && bytes[1] == bytes[2], "1, 2 and 3 threads write the same bytes");

@@ -62,7 +62,20 @@ fn klein() -> String {
 /// Pastes on the mesh, and returns what `inspect` says of cleaning it. The cover is whole.
 fn survives(place: &Place, name: &str, mesh: &str) -> Value {
     place.write(name, mesh);
-    let out = place.run(&["paste", name, "wood.png", "-o", "out/a.glb", "--report", "out/a.json", "--quiet", "--ratio", "8"]);
+    let out = place.run(&[
+        "paste",
+        "--size",
+        "256",
+        name,
+        "wood.png",
+        "-o",
+        "out/a.glb",
+        "--report",
+        "out/a.json",
+        "--quiet",
+        "--ratio",
+        "8",
+    ]);
     let said = text(&out.stderr);
     assert_eq!(out.status.code(), Some(0), "{name}: {said}");
     assert!(!said.contains("panicked"), "{name}: {said}");
@@ -165,7 +178,7 @@ fn size_and_place_do_not_matter() {
 
 /// What the program says of an exemplar, and its exit code.
 fn with_exemplar(place: &Place, file: &str) -> (Option<i32>, String) {
-    let out = place.run(&["paste", "mesh.obj", file, "-o", "out/x.glb"]);
+    let out = place.run(&["paste", "--no-bake", "mesh.obj", file, "-o", "out/x.glb"]);
     let said = text(&out.stderr);
     assert!(!said.contains("panicked"), "{file}: {said}");
     assert_eq!(place.path("out/x.glb").exists(), out.status.success(), "{file}: a record exactly if it worked");
@@ -226,7 +239,7 @@ fn images_that_are_none_are_told() {
 #[test]
 fn meshes_cut_short_or_misnamed_are_told() {
     let place = Place::new();
-    let out = place.run(&["paste", "mesh.obj", "wood.png", "-o", "whole.glb", "--quiet"]);
+    let out = place.run(&["paste", "--no-bake", "mesh.obj", "wood.png", "-o", "whole.glb", "--quiet"]);
     assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
     let glb = std::fs::read(place.path("whole.glb")).unwrap();
     for share in [1, 10, 50, 99] {
@@ -241,6 +254,6 @@ fn meshes_cut_short_or_misnamed_are_told() {
     place.write("mesh.glb", OCTAHEDRON);
     told("misnamed", &survives(&place, "mesh.ply", OCTAHEDRON), &[("faces", 8)]);
     place.write("photo.obj", std::fs::read(place.path("wood.png")).unwrap());
-    let out = place.run(&["paste", "photo.obj", "wood.png", "-o", "out/a.glb"]);
+    let out = place.run(&["paste", "--no-bake", "photo.obj", "wood.png", "-o", "out/a.glb"]);
     assert!(text(&out.stderr).contains("a PNG image, which is not read as a mesh"), "{}", text(&out.stderr));
 }

@@ -53,7 +53,7 @@ fn flaws_are_told_in_words_and_numbers() {
 fn what_goes_out_has_the_users_faces_in_the_users_order_and_winding() {
     let place = Place::new();
     place.write("flawed.obj", FLAWED);
-    run(&place, &["paste", "flawed.obj", "wood.png", "-o", "out/a.glb", "--keep-faces", "--quiet"]);
+    run(&place, &["paste", "--no-bake", "flawed.obj", "wood.png", "-o", "out/a.glb", "--keep-faces", "--quiet"]);
     let came = lapped::format::read_model(&place.path("flawed.obj")).unwrap();
     let went = lapped::format::read_record(&place.path("out/a.glb")).unwrap().model;
     assert_eq!((went.faces, went.positions, went.groups), (came.faces, came.positions, came.groups), "whatever cleaning turned");
@@ -96,7 +96,7 @@ fn a_job_too_large_for_memory_is_refused_with_the_estimate() {
         assert!(said.contains(word), "{word:?}: {said}");
     }
     assert!(place.files("out").is_empty(), "nothing is written");
-    run(&place, &["paste", "mesh.obj", "wood.png", "-o", "out/a.glb", "--memory", "1G"]);
+    run(&place, &["paste", "--no-bake", "mesh.obj", "wood.png", "-o", "out/a.glb", "--memory", "1G"]);
 }
 
 /// Rows of the table of the corpus's index that begins with these heads.

@@ -45,13 +45,13 @@ fn place() -> Place {
 }
 
 fn paste(place: &Place, flags: &[&str]) -> Record {
-    let out = place.run(&[&["paste", "sheet.obj", "-o", "out/a.glb", "--quiet"], flags].concat());
+    let out = place.run(&[&["paste", "--no-bake", "sheet.obj", "-o", "out/a.glb", "--quiet"], flags].concat());
     assert_eq!(out.status.code(), Some(0), "{flags:?}: {}", text(&out.stderr));
     read_record(&place.path("out/a.glb")).unwrap()
 }
 
 fn refused(place: &Place, flags: &[&str], words: &[&str]) {
-    let out = place.run(&[&["paste", "sheet.obj", "-o", "out/b.glb", "--quiet"], flags].concat());
+    let out = place.run(&[&["paste", "--no-bake", "sheet.obj", "-o", "out/b.glb", "--quiet"], flags].concat());
     let said = text(&out.stderr);
     assert_eq!(out.status.code(), Some(1), "{flags:?}: {said}");
     assert_eq!(said.lines().count(), 1, "one sentence: {said}");
