@@ -65,7 +65,9 @@ fn survives(place: &Place, name: &str, mesh: &str) -> Value {
     let out = place.run(&[
         "paste",
         "--size",
-        "256",
+        "1024",
+        "--mips",
+        "0",
         name,
         "wood.png",
         "-o",
