@@ -138,6 +138,7 @@ impl Input {
 }
 
 /// Packs charts, or makes and packs them.
+#[expect(clippy::field_reassign_with_default, reason = "options of that crate can be made in no other way")]
 pub(super) fn pack(
     mesh: &Mesh,
     charts: Option<FlatCharts>,

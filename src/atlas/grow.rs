@@ -302,7 +302,7 @@ fn side_by_side(mesh: &Mesh, charts: Vec<Disc>) -> FlatCharts {
         let start = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         disc.uv.iter().fold(start, |(low, high), &p| (low.min(p), high.max(p)))
     };
-    let room = charts.iter().map(|d| bounds(d)).fold(DVec2::ZERO, |room, (low, high)| room.max(high - low)) * (1.0 + APART);
+    let room = charts.iter().map(&bounds).fold(DVec2::ZERO, |room, (low, high)| room.max(high - low)) * (1.0 + APART);
     let columns = (charts.len() as f64).sqrt().ceil().max(1.0) as usize;
     let mut out = FlatCharts { corners: vec![[0; 3]; mesh.face_count()], ..FlatCharts::default() };
     for (k, disc) in charts.into_iter().enumerate() {

@@ -163,7 +163,7 @@ pub fn symmetry(image: &Image) -> Symmetry {
             }
         }
         () if grid => 4,
-        () if built && two > LAYERS * four => 2,
+        () if four > BUILT && two > LAYERS * four => 2,
         () if fits(2) && fits(3) && fits(0) && misses[1] > misses[2] => 6,
         () if fits(1) && fits(0) => 4,
         () if fits(0) => 2,

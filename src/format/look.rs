@@ -107,7 +107,7 @@ impl Look {
 
     /// One of them, encoded.
     pub(crate) fn png(&self, page: usize, slot: Slot) -> Result<Vec<u8>, String> {
-        let single = |channel: Channel| self.image(page, channel).map_or(Err(NOT_THERE.to_owned()), |image| grey(image));
+        let single = |channel: Channel| self.image(page, channel).map_or(Err(NOT_THERE.to_owned()), grey);
         match slot {
             Slot::Color => {
                 let color = self.image(page, Channel::BaseColor).ok_or(NOT_THERE)?;

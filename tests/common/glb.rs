@@ -147,7 +147,7 @@ pub(crate) fn bulge(p: DVec3) -> DVec3 {
 pub(crate) fn bulging(around: u32, along: u32) -> (Gltf, Value) {
     let (positions, faces) = tail(around, along);
     let mut gltf = Gltf::default();
-    let position = gltf.positions(&positions.iter().map(|p| p.to_array()).collect::<Vec<_>>());
+    let position = gltf.positions(&positions.iter().map(Vec3::to_array).collect::<Vec<_>>());
     let shifts: Vec<[f32; 3]> = positions.iter().map(|p| bulge(p.as_dvec3()).as_vec3().to_array()).collect();
     let shifts = gltf.positions(&shifts);
     let indices: Vec<u8> = faces.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
