@@ -1,4 +1,4 @@
-//! All demo meshes under all demo exemplars, and meshes of the corpus, in all three ways of drawing.
+//! All demo meshes, each under several of the demo exemplars and each exemplar on two, and meshes of the corpus, in all three ways of drawing.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
@@ -10,13 +10,15 @@ use std::path::PathBuf;
 
 /// Few exemplar areas: what is compared is drawing, and each pair is pasted first.
 const RATIO: f64 = 8.0;
+/// One pair in so many is drawn.
+const EVERY: usize = 3;
 const GRID: Grid = Grid { width: 90, height: 80, samples: 2 };
 
 #[test]
 #[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
-fn every_demo_mesh_under_every_demo_exemplar_looks_the_same_in_all_modes() {
+fn every_demo_mesh_and_every_demo_exemplar_look_the_same_in_all_modes() {
     for (i, mesh) in lapped::assets::mesh_names().enumerate() {
-        for (j, exemplar) in lapped::assets::exemplar_names().enumerate() {
+        for (j, exemplar) in lapped::assets::exemplar_names().enumerate().filter(|(j, _)| (i + j) % EVERY == 0) {
             let pasted = pasted(mesh, &[exemplar], RATIO, (i + j) % 2 == 0);
             agree(&format!("{mesh} {exemplar}"), &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", GRID);
         }
