@@ -1,7 +1,7 @@
 //! Fidelity in numbers: pieces of the result against pieces of the exemplar.
 //!
 //! Pieces are cut from the surface at points spread by area, each in the texture's own direction and at the exemplar's own pixel
-//! pitch, by walking straight from the point ([`pieces`]). All numbers are of colours encoded as sRGB.
+//! pitch, by walking straight from the point (`pieces`). All numbers are of colours encoded as sRGB.
 //!
 //! | measure | what it is | blind to |
 //! |---|---|---|
