@@ -1,6 +1,6 @@
 //! The hinge of the house: whatever can say what the surface looks like at a point is a [`SurfaceTexture`].
 
-use crate::exemplar::ChannelSet;
+use crate::exemplar::{Channel, ChannelSet};
 use crate::mesh::SurfacePoint;
 use glam::Vec3;
 
@@ -43,6 +43,20 @@ impl Texel {
             occlusion: 1.0,
             emissive: Vec3::ZERO,
             opacity: 1.0,
+        }
+    }
+
+    /// Sets what belongs to a channel: of those of one component the first, of a normal one in the mesh's space.
+    pub const fn set(&mut self, channel: Channel, value: Vec3) {
+        match channel {
+            Channel::BaseColor => self.base_color = value,
+            Channel::Normal => self.normal = value,
+            Channel::Height => self.height = value.x,
+            Channel::Roughness => self.roughness = value.x,
+            Channel::Metallic => self.metallic = value.x,
+            Channel::Occlusion => self.occlusion = value.x,
+            Channel::Emissive => self.emissive = value,
+            Channel::Opacity => self.opacity = value.x,
         }
     }
 }

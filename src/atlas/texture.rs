@@ -55,19 +55,13 @@ impl SurfaceTexture for AtlasTexture<'_> {
             };
             let value = chain.sample(uv * size, lod);
             match channel {
-                Channel::BaseColor => texel.base_color = value,
-                Channel::Height => texel.height = value.x,
-                Channel::Roughness => texel.roughness = value.x,
-                Channel::Metallic => texel.metallic = value.x,
-                Channel::Occlusion => texel.occlusion = value.x,
-                Channel::Emissive => texel.emissive = value,
-                Channel::Opacity => texel.opacity = value.x,
                 Channel::Normal if self.channels.has(Channel::Normal) => {
                     let smooth = self.frames.normal(at.face, at.bary, flat);
                     let own = self.frames.frame(at.face, at.bary, smooth) * value.normalize_or(Vec3::Z);
                     texel.normal = (Quat::from_rotation_arc(smooth, flat) * own).normalize_or(flat);
                 }
                 Channel::Normal => {}
+                other => texel.set(*other, value),
             }
         }
         texel

@@ -193,16 +193,7 @@ impl VertexTexture {
                 }),
                 _ => self.value(index, at, lod, plain),
             };
-            match channel {
-                Channel::BaseColor => out.base_color = value,
-                Channel::Normal => out.normal = value.normalize_or(out.normal),
-                Channel::Height => out.height = value.x,
-                Channel::Roughness => out.roughness = value.x,
-                Channel::Metallic => out.metallic = value.x,
-                Channel::Occlusion => out.occlusion = value.x,
-                Channel::Emissive => out.emissive = value,
-                Channel::Opacity => out.opacity = value.x,
-            }
+            out.set(*channel, if *channel == Channel::Normal { value.normalize_or(out.normal) } else { value });
         }
         out
     }
