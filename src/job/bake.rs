@@ -233,7 +233,8 @@ impl NormalNumbers {
 fn outgoing(model: &Model, user_faces: &[UserFace], atlas: &Atlas, frames: &Frames) -> (Model, Look) {
     let mut out = model.clone();
     let user_corners = model.faces.as_flattened().to_vec();
-    // A vertex of a face that was dropped looks like the same vertex elsewhere.
+    // A face that was dropped has no area: one place will do for it, that of one of its vertices elsewhere. With a place for
+    // each it could reach from chart to chart.
     let mut numbers = NormalNumbers::default();
     let mut place: Vec<[u32; 2]> = vec![[NONE; 2]; user_corners.len()];
     let mut anywhere = vec![[NONE; 2]; model.positions.len()];
@@ -249,9 +250,9 @@ fn outgoing(model: &Model, user_faces: &[UserFace], atlas: &Atlas, frames: &Fram
             }
         }
     }
-    for (at, &vertex) in place.iter_mut().zip(&user_corners) {
-        if *at == [NONE; 2] {
-            *at = anywhere[vertex as usize];
+    for (at, corners) in place.as_chunks_mut::<3>().0.iter_mut().zip(&model.faces) {
+        if at[0] == [NONE; 2] {
+            *at = [corners.map(|v| anywhere[v as usize]).into_iter().find(|p| *p != [NONE; 2]).unwrap_or([NONE; 2]); 3];
         }
     }
     // Tangents at atlas vertices, in the user's winding.

@@ -69,6 +69,29 @@ fn a_glb_passes_the_checker_down_to_the_gutters_of_its_mips() {
     }
 }
 
+/// A face without area is no part of the clean mesh; its corners may lie in three charts.
+#[test]
+fn a_dropped_face_covers_no_chart() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut model = lapped::assets::mesh("dragonling").unwrap();
+    let (a, b) = (0, model.positions.len() as u32 / 2);
+    // A vertex of its own in the middle of the line between two of the model's, and one of no other face.
+    let middle = (model.positions[a as usize] + model.positions[b as usize]) * 0.5;
+    model.positions.push(middle);
+    model.normals = None;
+    model.uvs = None;
+    model.faces.push([a, b, model.positions.len() as u32 - 1]);
+    model.faces.push([a, b, b]);
+    let path = folder.path().join("a.glb");
+    write(&path, &baked(&model, &[Channel::BaseColor], 512, 1));
+    let shown = Shown::read(&path);
+    for face in [model.faces.len() - 2, model.faces.len() - 1] {
+        let [a, b, c] = shown.corners(face);
+        assert!(a == b && b == c, "a face without area has one place in the image: {a} {b} {c}");
+    }
+    assert_eq!(overlaps(&shown, 4096), (0, 0), "no texel is owned twice");
+}
+
 #[test]
 fn a_record_with_a_bake_is_still_the_record() {
     let folder = tempfile::tempdir().unwrap();
