@@ -34,7 +34,7 @@ fn fragment(in: PasteCorner) -> Blended {
     let g = ground(entry.face, in.bary, in.position.xy);
     let layer = show(entry, in.bary, across, down, g);
     var a = layer.alpha;
-    if has(LAYERS) && a > 0.0 {
+    if has(LAYERS) && a > 0.0 && entry.paste != TINT {
         a = share_of_below(in.entry, a, in.bary, across, down, g);
     }
     if a <= 0.0 {

@@ -10,14 +10,16 @@ struct Paste {
     offset: vec2f,
 }
 
-// A face under a paste: texture coordinates of its corners over the mask. Where layers are mixed by weights, one entry more
-// stands on top of each layer: its paste is `MARKER`, its first three numbers are the layer's weights at the corners.
+// A face under a paste: texture coordinates of its corners over the mask, as bits. Where layers are mixed by weights, one entry
+// more stands on top of each layer: its paste is `MARKER`, its first three numbers are the layer's weights at the corners.
+// Where a face has colours of its own, one entry more stands on top of all: its paste is `TINT`, and each corner has red, green,
+// blue and alpha in 16 bits each.
 struct Entry {
     paste: u32,
     face: u32,
-    uv0: vec2f,
-    uv1: vec2f,
-    uv2: vec2f,
+    at0: vec2u,
+    at1: vec2u,
+    at2: vec2u,
 }
 
 struct Patch {
@@ -58,11 +60,15 @@ struct Exemplar {
 @group(2) @binding(7) var filtered: sampler;
 
 const MARKER = 0xffffffffu;
+const TINT = 0xfffffffeu;
 
 // The weight of the layer below a marker.
 fn layer_weight(entry: Entry, bary: vec3f) -> f32 {
-    return clamp(dot(vec3f(entry.uv0, entry.uv1.x), bary), 0.0, 1.0);
+    return clamp(dot(bitcast<vec3f>(vec3u(entry.at0, entry.at1.x)), bary), 0.0, 1.0);
 }
+
+// Roughness, metallic and occlusion of an exemplar that does not say.
+const DEFAULT_GLOSS = vec3f(0.8, 0.0, 1.0);
 
 // True: filtered along the sample's own shape on the surface. False: over a square of the same area, as the reference
 // renderer does.
@@ -153,7 +159,10 @@ struct Place {
 fn place_on(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Place {
     var place: Place;
     place.alpha = 0.0;
-    let at = entry.uv0 * bary.x + entry.uv1 * bary.y + entry.uv2 * bary.z;
+    let uv0 = bitcast<vec2f>(entry.at0);
+    let uv1 = bitcast<vec2f>(entry.at1);
+    let uv2 = bitcast<vec2f>(entry.at2);
+    let at = uv0 * bary.x + uv1 * bary.y + uv2 * bary.z;
     if any(at <= vec2f(0.0)) || any(at >= vec2f(1.0)) {
         return place;
     }
@@ -161,8 +170,8 @@ fn place_on(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) ->
     place.piece = patches[place.paste.piece];
     let piece = place.piece;
     place.pixel = at * piece.size;
-    place.step1 = (entry.uv1 - entry.uv0) * piece.size;
-    place.step2 = (entry.uv2 - entry.uv0) * piece.size;
+    place.step1 = (uv1 - uv0) * piece.size;
+    place.step2 = (uv2 - uv0) * piece.size;
     place.turn = place.step1.x * place.step2.y - place.step1.y * place.step2.x;
     place.over.lod = 0.5 * log2(max(1.0, g.footprint * abs(place.turn) / max(g.area, 1e-37)));
     place.over.dx = across.y * place.step1 + across.z * place.step2;
@@ -171,9 +180,24 @@ fn place_on(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) ->
     return place;
 }
 
-// What a paste shows.
+fn tint(corner: vec2u) -> vec4f {
+    return vec4f(unpack2x16unorm(corner.x), unpack2x16unorm(corner.y));
+}
+
+// What a paste shows, or a face's own colour.
 fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Layer {
     var layer: Layer;
+    if entry.paste == TINT {
+        let own = tint(entry.at0) * bary.x + tint(entry.at1) * bary.y + tint(entry.at2) * bary.z;
+        layer.alpha = clamp(own.w, 0.0, 1.0);
+        layer.base_color = own.xyz;
+        layer.opacity = 1.0;
+        layer.normal = g.normal;
+        layer.roughness = DEFAULT_GLOSS.x;
+        layer.metallic = DEFAULT_GLOSS.y;
+        layer.occlusion = DEFAULT_GLOSS.z;
+        return layer;
+    }
     let on = place_on(entry, bary, across, down, g);
     layer.alpha = on.alpha;
     if layer.alpha <= 0.0 {
@@ -205,8 +229,7 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
         let size = length(layer.normal);
         layer.normal = select(g.normal, layer.normal / size, size > 0.0);
     }
-    // Roughness, metallic and occlusion of an exemplar that does not say.
-    var gloss = vec3f(0.8, 0.0, 1.0);
+    var gloss = DEFAULT_GLOSS;
     if exemplar.layers.z >= 0 {
         gloss = fetch(gloss_maps, exemplar.layers.z, place, exemplar.shrink, over).xyz;
     }

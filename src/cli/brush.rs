@@ -10,6 +10,9 @@ use crate::paste::LappedTexture;
 use crate::progress::Progress;
 use crate::render::{Camera, Grid, Picture, PreviewStyle, SheetOptions, Stage, Subject, Visibility, preview};
 
+/// Colours of the faces' own, for adapters: at the three corners of each.
+pub(super) type Tints<'a> = Option<&'a [[glam::Vec4; 3]]>;
+
 /// A renderer, chosen.
 pub(super) enum Brush {
     /// The reference renderer, which shows relief so deep.
@@ -105,6 +108,7 @@ impl Brush {
     pub(super) fn sheet(
         &self,
         subject: &Subject<'_>,
+        tints: Tints<'_>,
         style: PreviewStyle,
         options: &SheetOptions,
         common: &Common,
@@ -114,7 +118,7 @@ impl Brush {
             #[cfg(feature = "gpu")]
             Self::Gpu(renderer, path) => {
                 let stage = Stage::new(subject.mesh, &options.draw);
-                let loaded = load(renderer, &stage, subject.lapped, common)?;
+                let loaded = load(renderer, &stage, subject.lapped, tints, common)?;
                 let draw = |camera: &Camera, grid| renderer.draw(&loaded, &stage, camera, grid, *path);
                 Ok(crate::render::lay_out(subject.mesh, options, draw)?)
             }
@@ -125,6 +129,7 @@ impl Brush {
     pub(super) fn views(
         &self,
         subject: &Subject<'_>,
+        tints: Tints<'_>,
         options: &SheetOptions,
         cameras: &[Camera],
         grid: Grid,
@@ -135,7 +140,7 @@ impl Brush {
         let loaded = match self {
             Self::Reference(_) => None,
             Self::Gpu(renderer, path) => {
-                let loaded = load(renderer, &stage, subject.lapped, common)?;
+                let loaded = load(renderer, &stage, subject.lapped, tints, common)?;
                 Some((renderer, loaded, *path))
             }
         };
@@ -181,7 +186,7 @@ impl Brush {
                         renderer.follow(subject, &stage)?;
                         subject
                     }
-                    None => loaded.insert(load(renderer, &stage, lapped, common)?),
+                    None => loaded.insert(load(renderer, &stage, lapped, None, common)?),
                 };
                 pictures.push(renderer.draw(subject, &stage, camera, grid, *path)?);
                 continue;
@@ -200,10 +205,11 @@ fn load(
     renderer: &crate::render::gpu::Renderer,
     stage: &Stage<'_>,
     lapped: Option<&LappedTexture>,
+    tints: Tints<'_>,
     common: &Common,
 ) -> anyhow::Result<crate::render::gpu::Subject> {
     let nothing = LappedTexture::default();
-    let loaded = renderer.load(stage, lapped.unwrap_or(&nothing))?;
+    let loaded = renderer.load_tinted(stage, lapped.unwrap_or(&nothing), tints)?;
     loaded.patches().warnings().iter().for_each(|w| common.warn(w));
     Ok(loaded)
 }

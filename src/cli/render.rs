@@ -240,19 +240,19 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
                 mesh = moving.at(Some(animation), time).with_context(name)?;
             }
             let guide = field.map(Guide::Directed);
+            let painted = painted.as_ref().and_then(|(model, faces)| Painted::new(model, &mesh, faces, None));
+            let tints = painted.as_ref().and_then(Painted::corners);
+            let tints = tints.as_deref();
             let texture: Box<dyn SurfaceTexture + '_> = match look {
                 Some((at, look)) => Box::new(AtlasTexture::new(&mesh, at.uv, at.page, look.pages, at.frames)),
-                None => {
-                    let painted = painted.as_ref().and_then(|(model, faces)| Painted::new(model, &mesh, faces, None));
-                    painted.map_or_else(|| texture_of(&mesh, lapped, args.parallax), |painted| Box::new(painted))
-                }
+                None => painted.map_or_else(|| texture_of(&mesh, lapped, args.parallax), |painted| Box::new(painted)),
             };
             let subject = Subject { mesh: &mesh, texture: texture.as_ref(), lapped, guide: guide.as_ref() };
             match args.turntable {
-                None => vec![brush.sheet(&subject, args.style, &options, &args.common).with_context(name)?],
+                None => vec![brush.sheet(&subject, tints, args.style, &options, &args.common).with_context(name)?],
                 Some(count) => {
                     let cameras = view.turntable(&mesh, grid.aspect(), count);
-                    brush.views(&subject, &options, &cameras, grid, &args.common).with_context(name)?
+                    brush.views(&subject, tints, &options, &cameras, grid, &args.common).with_context(name)?
                 }
             }
         }

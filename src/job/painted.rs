@@ -7,7 +7,7 @@ use crate::format::Model;
 use crate::mesh::clean::UserFace;
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::{SurfaceTexture, Texel};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// A model's own colours.
 #[derive(Debug)]
@@ -40,6 +40,15 @@ impl<'a> Painted<'a> {
             }
         };
         Some(Self { mesh, paint })
+    }
+
+    /// Linear colours at the corners of each face, opaque, if they are those of vertices.
+    #[must_use]
+    pub fn corners(&self) -> Option<Vec<[Vec4; 3]>> {
+        match &self.paint {
+            Paint::Colors(faces) => Some(faces.iter().map(|corners| corners.map(|c| c.extend(1.0))).collect()),
+            Paint::Image(..) => None,
+        }
     }
 }
 

@@ -7,12 +7,13 @@
 )]
 
 use crate::common::{compare, pasted, pasted_with, renderers};
-use glam::{DVec3, Vec3};
-use lapped::exemplar::{Channel, Image, TexturePatch};
-use lapped::mesh::Mesh;
+use glam::{DVec3, Vec3, Vec4};
+use lapped::exemplar::{Channel, ChannelSet, Image, TexturePatch};
+use lapped::mesh::{Mesh, SurfacePoint};
 use lapped::paste::{Composite, LappedTexture, Paste};
-use lapped::render::gpu::{Filter, Forward, Path, Renderer, RendererOptions};
+use lapped::render::gpu::{Filter, Forward, GpuError, Path, Renderer, RendererOptions};
 use lapped::render::{Background, DrawOptions, Grid, Picture, Stage, View, Visibility};
+use lapped::surface::{SurfaceTexture, Texel};
 use std::sync::Arc;
 
 /// Mean difference away from outlines, and at them, in steps of 1/255.
@@ -25,11 +26,23 @@ fn reference(stage: &Stage<'_>, lapped: &LappedTexture, camera: &lapped::render:
 
 /// Draws with every adapter and both ways and holds each against the reference.
 pub(crate) fn agree(name: &str, mesh: &Mesh, lapped: &LappedTexture, options: &DrawOptions, view: &str, grid: Grid) {
+    let shown = Shown { texture: &Composite::new(mesh, lapped), lapped, tints: None };
+    agree_on(name, mesh, &shown, options, view, grid);
+}
+
+/// A texture, and what is loaded for it.
+struct Shown<'a> {
+    texture: &'a dyn SurfaceTexture,
+    lapped: &'a LappedTexture,
+    tints: Option<&'a [[Vec4; 3]]>,
+}
+
+fn agree_on(name: &str, mesh: &Mesh, shown: &Shown<'_>, options: &DrawOptions, view: &str, grid: Grid) {
     let stage = Stage::new(mesh, options);
     let camera = view.parse::<View>().unwrap().frame(mesh, grid.aspect());
-    let expected = reference(&stage, lapped, &camera, grid);
+    let expected = stage.draw(shown.texture, &Visibility::new(mesh, &camera, grid).unwrap());
     for renderer in renderers() {
-        let subject = renderer.load(&stage, lapped).unwrap();
+        let subject = renderer.load_tinted(&stage, shown.lapped, shown.tints).unwrap();
         for path in [Path::Single, Path::Layered] {
             let drawn = renderer.draw(&subject, &stage, &camera, grid, path).unwrap();
             let found = compare(mesh, &camera, grid, &expected, &drawn);
@@ -119,6 +132,49 @@ fn layers_mixed_by_weights_look_the_same_in_all_modes() {
     let mixed = reference(&stage, &lapped, &camera, grid);
     let plain = reference(&stage, &below.lapped, &camera, grid);
     assert!(compare(mesh, &camera, grid, &mixed, &plain).inside > 3.0, "the upper layers show");
+}
+
+/// Some faces in colours of their own, the others as they are pasted.
+struct Tinted<'a> {
+    mesh: &'a Mesh,
+    pasted: Composite<'a>,
+    tints: &'a [[Vec4; 3]],
+}
+
+impl SurfaceTexture for Tinted<'_> {
+    fn channels(&self) -> ChannelSet {
+        self.pasted.channels()
+    }
+
+    fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
+        let below = self.pasted.texel(at, footprint);
+        let own: Vec4 = (0..3).map(|k| self.tints[at.face as usize][k] * at.bary[k]).sum();
+        if own.w < 0.5 {
+            return below;
+        }
+        Texel { base_color: own.truncate(), alpha: 1.0, ..Texel::empty(self.mesh.normal(at.face).as_vec3()) }
+    }
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn colours_of_faces_own_lie_over_pastes_and_over_nothing() {
+    let pasted = pasted("vase", &["stone"], 30.0, false);
+    let mesh = &pasted.mesh;
+    let (low, high) = mesh.bounds();
+    let color = |v: u32| ((mesh.positions[v as usize] - low) / (high - low)).extend(1.0);
+    let every = |keep: u32| -> Vec<[Vec4; 3]> {
+        let of = |f: u32| mesh.faces[f as usize].map(color).map(|c| if f.is_multiple_of(keep) { c } else { Vec4::ZERO });
+        (0..mesh.face_count() as u32).map(of).collect()
+    };
+    let nothing = LappedTexture::default();
+    let (options, grid) = (DrawOptions::default(), Grid { width: 220, height: 260, samples: 2 });
+    for (name, lapped, tints) in [("vertex colours", &nothing, every(1)), ("every third face", &pasted.lapped, every(3))] {
+        let texture = Tinted { mesh, pasted: Composite::new(mesh, lapped), tints: &tints };
+        agree_on(name, mesh, &Shown { texture: &texture, lapped, tints: Some(&tints) }, &options, "three-quarter", grid);
+    }
+    let refused = renderers().first().unwrap().load_tinted(&Stage::new(mesh, &options), &nothing, Some(&every(1)[1..]));
+    assert!(matches!(refused, Err(GpuError::Tints { .. })), "one face short is refused");
 }
 
 #[test]

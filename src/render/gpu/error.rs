@@ -67,6 +67,14 @@ pub enum GpuError {
         /// How many are needed.
         expected: usize,
     },
+    /// Colours of faces' own, and other faces.
+    #[error("{found} faces have colours of their own on a mesh of {expected}: give every face three")]
+    Tints {
+        /// How many have.
+        found: usize,
+        /// How many there are.
+        expected: usize,
+    },
     /// The adapter cannot show a window.
     #[error("the graphics adapter {adapter} cannot show this window: open the device on an adapter that can")]
     Surface {

@@ -4,14 +4,15 @@
 //! only among those on the same face, so pages can be drawn one after another, in both ways of drawing.
 //!
 //! Where layers are mixed by weights, a marker stands on top of each layer's pastes on a face: an entry without a paste, with
-//! the layer's weights at the face's corners in place of texture coordinates.
+//! the layer's weights at the face's corners in place of texture coordinates. Where faces have colours of their own, these stand
+//! on top of everything, in entries without a paste as well.
 
 use super::context::Gpu;
 use super::error::GpuError;
 use super::shape::{largest, octahedral, words};
 use crate::mesh::Mesh;
 use crate::paste::{FaceLists, LappedTexture, Layer, Paste};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
 use wgpu::util::DeviceExt;
@@ -23,6 +24,8 @@ const FACE_BYTES: u64 = 12;
 
 /// What stands for the paste in a layer's marker, as in shaders/paste.wgsl.
 const MARKER: u32 = u32::MAX;
+/// What stands for the paste where a face has colours of its own.
+const TINT: u32 = u32::MAX - 1;
 
 /// The layers of a lapped texture, if any are mixed by weights.
 struct Soft<'a> {
@@ -79,6 +82,16 @@ pub(super) struct Lists {
     pub(super) soft: bool,
 }
 
+/// A face's own colours as an entry: four numbers of 16 bits a corner, of 0 to 1.
+fn tint(face: u32, corners: &[Vec4; 3]) -> [u32; ENTRY_WORDS] {
+    let mut entry = [TINT, face, 0, 0, 0, 0, 0, 0];
+    for (at, color) in entry[2..].as_chunks_mut::<2>().0.iter_mut().zip(corners) {
+        let [r, g, b, a] = color.to_array().map(|v| (v.clamp(0.0, 1.0) * 65535.0).round() as u32);
+        *at = [r | g << 16, b | a << 16];
+    }
+    entry
+}
+
 /// Where each face's list begins if layers have markers.
 fn with_markers(lists: &FaceLists, soft: &Soft<'_>) -> Vec<u32> {
     let faces = lists.start.len().saturating_sub(1) as u32;
@@ -99,19 +112,24 @@ impl Lists {
         mesh: &Mesh,
         normals: &[[Vec3; 3]],
         lapped: &LappedTexture,
+        tints: Option<&[[Vec4; 3]]>,
     ) -> Result<Self, GpuError> {
         let pastes = &lapped.pastes;
         let lists = FaceLists::new(mesh.face_count(), pastes);
         let soft = Soft::new(&lapped.layers);
-        let start = match &soft {
+        let mut start = match &soft {
             None => lists.start.clone(),
             Some(soft) => with_markers(&lists, soft),
         };
+        if tints.is_some() {
+            start.iter_mut().zip(0..).for_each(|(begin, faces)| *begin += faces);
+        }
         let mut pages = Vec::new();
         for faces in split(&start, largest(gpu))? {
             let range = faces.start as usize..faces.end as usize;
             let starts = start[range.start..=range.end].iter().map(|s| s - start[range.start]).collect();
-            pages.push(Page::new(gpu, layout, mesh, &normals[range], pastes, &lists, soft.as_ref(), starts, faces));
+            let tints = tints.map(|tints| &tints[range.clone()]);
+            pages.push(Page::new(gpu, layout, mesh, &normals[range], pastes, &lists, soft.as_ref(), tints, starts, faces));
             // Each page's tables go to the device before the next ones are made, so that memory holds one page at a time.
             gpu.queue.submit([]);
         }
@@ -148,6 +166,7 @@ impl Page {
         pastes: &[Paste],
         lists: &FaceLists,
         soft: Option<&Soft<'_>>,
+        tints: Option<&[[Vec4; 3]]>,
         starts: Vec<u32>,
         faces: Range<u32>,
     ) -> Self {
@@ -162,7 +181,7 @@ impl Page {
                     [[paste, (face - range.start) as u32].as_slice(), &uv].concat()
                 };
                 let list = lists.of(face as u32);
-                match soft {
+                let mut of_face: Vec<u32> = match soft {
                     None => list.iter().flat_map(entry).collect(),
                     Some(soft) => {
                         let marked = |run: &[(u32, u32)]| {
@@ -171,7 +190,10 @@ impl Page {
                         };
                         soft.runs(list).flat_map(marked).collect()
                     }
-                }
+                };
+                let own = |tints: &[[Vec4; 3]]| tint((face - range.start) as u32, &tints[face - range.start]);
+                of_face.extend(tints.map(own).iter().flatten());
+                of_face
             })
             .collect();
         let entries = of_faces.concat();

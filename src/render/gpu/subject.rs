@@ -8,6 +8,7 @@ use super::shape::Shape;
 use crate::exemplar::{Exemplar, TexturePatch};
 use crate::paste::LappedTexture;
 use crate::render::reference::Stage;
+use glam::Vec4;
 use std::sync::Arc;
 
 /// A mesh with its pastes, ready to be drawn.
@@ -29,9 +30,21 @@ impl Renderer {
     /// # Errors
     /// If it does not fit the device.
     pub fn load(&self, stage: &Stage<'_>, lapped: &LappedTexture) -> Result<Subject, GpuError> {
+        self.load_tinted(stage, lapped, None)
+    }
+
+    /// The same with colours of the faces' own over all pastes: for each face its corners' base colour (linear light) and alpha,
+    /// from 0 to 1, stored in 16 bits each. With an alpha of 1 and no pastes that is a mesh with vertex colours.
+    ///
+    /// # Errors
+    /// If it does not fit the device, or the tints are not as many as the faces.
+    pub fn load_tinted(&self, stage: &Stage<'_>, lapped: &LappedTexture, tints: Option<&[[Vec4; 3]]>) -> Result<Subject, GpuError> {
+        if let Some(tints) = tints.filter(|t| t.len() != stage.mesh.face_count()) {
+            return Err(GpuError::Tints { found: tints.len(), expected: stage.mesh.face_count() });
+        }
         let patches = Arc::new(self.load_patches(&lapped.exemplars, &lapped.patches)?);
         let shape = Shape::new(&self.gpu, stage.mesh)?;
-        let lists = Lists::new(&self.gpu, &self.layouts.page, stage.mesh, stage.normals(), lapped)?;
+        let lists = Lists::new(&self.gpu, &self.layouts.page, stage.mesh, stage.normals(), lapped, tints)?;
         let named = lapped.pastes.iter().map(|p| usize::from(p.patch) + 1).max().unwrap_or(0);
         self.gpu.check()?;
         let mut subject = Subject { shape, lists, patches: Arc::clone(&patches), named };
