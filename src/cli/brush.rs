@@ -10,6 +10,9 @@ use crate::paste::LappedTexture;
 use crate::progress::Progress;
 use crate::render::{Camera, Grid, Picture, PreviewStyle, SheetOptions, Stage, Subject, Visibility, preview};
 
+/// Takes pictures that follow one another.
+pub(super) type Each<'a> = &'a mut dyn FnMut(Picture) -> anyhow::Result<()>;
+
 /// Colours of the faces' own, for adapters: at the three corners of each.
 pub(super) type Tints<'a> = Option<&'a [[glam::Vec4; 3]]>;
 
@@ -125,7 +128,8 @@ impl Brush {
         }
     }
 
-    /// One picture from each camera.
+    /// One picture from each camera, handed over as soon as it is drawn.
+    #[allow(clippy::too_many_arguments, reason = "what is drawn, by what light, and where it goes")]
     pub(super) fn views(
         &self,
         subject: &Subject<'_>,
@@ -134,7 +138,8 @@ impl Brush {
         cameras: &[Camera],
         grid: Grid,
         common: &Common,
-    ) -> anyhow::Result<Vec<Picture>> {
+        each: Each<'_>,
+    ) -> anyhow::Result<()> {
         let stage = Stage::new(subject.mesh, &options.draw);
         #[cfg(feature = "gpu")]
         let loaded = match self {
@@ -144,23 +149,23 @@ impl Brush {
                 Some((renderer, loaded, *path))
             }
         };
-        let mut pictures = Vec::new();
         let bar = Bar::new(common.quiet);
         bar.stage("drawing", cameras.len() as u64);
-        for camera in cameras {
-            bar.done(pictures.len() as u64);
+        for (done, camera) in cameras.iter().enumerate() {
+            bar.done(done as u64);
             #[cfg(feature = "gpu")]
             if let Some((renderer, loaded, path)) = &loaded {
-                pictures.push(renderer.draw(loaded, &stage, camera, grid, *path)?);
+                each(renderer.draw(loaded, &stage, camera, grid, *path)?)?;
                 continue;
             }
-            pictures.push(stage.draw(subject.texture, &Visibility::new(subject.mesh, camera, grid)?));
+            each(stage.draw(subject.texture, &Visibility::new(subject.mesh, camera, grid)?))?;
         }
         bar.finish();
-        Ok(pictures)
+        Ok(())
     }
 
-    /// One picture of each of the meshes that a moving one becomes.
+    /// One picture of each of the meshes that a moving one becomes, handed over as soon as it is drawn.
+    #[allow(clippy::too_many_arguments, reason = "what is drawn, by what light, and where it goes")]
     pub(super) fn play(
         &self,
         meshes: impl ExactSizeIterator<Item = anyhow::Result<Mesh>>,
@@ -169,15 +174,15 @@ impl Brush {
         camera: &Camera,
         grid: Grid,
         common: &Common,
-    ) -> anyhow::Result<Vec<Picture>> {
+        each: Each<'_>,
+    ) -> anyhow::Result<()> {
         #[cfg(feature = "gpu")]
         let mut loaded = None;
         let bar = Bar::new(common.quiet);
         bar.stage("drawing", meshes.len() as u64);
-        let mut pictures = Vec::with_capacity(meshes.len());
-        for mesh in meshes {
+        for (done, mesh) in meshes.enumerate() {
             let mesh = mesh?;
-            bar.done(pictures.len() as u64);
+            bar.done(done as u64);
             let stage = Stage::new(&mesh, &options.draw);
             #[cfg(feature = "gpu")]
             if let Self::Gpu(renderer, path) = self {
@@ -188,14 +193,14 @@ impl Brush {
                     }
                     None => loaded.insert(load(renderer, &stage, lapped, None, common)?),
                 };
-                pictures.push(renderer.draw(subject, &stage, camera, grid, *path)?);
+                each(renderer.draw(subject, &stage, camera, grid, *path)?)?;
                 continue;
             }
             let parallax = self.parallax();
-            pictures.push(stage.draw(texture_of(&mesh, lapped, parallax).as_ref(), &Visibility::new(&mesh, camera, grid)?));
+            each(stage.draw(texture_of(&mesh, lapped, parallax).as_ref(), &Visibility::new(&mesh, camera, grid)?))?;
         }
         bar.finish();
-        Ok(pictures)
+        Ok(())
     }
 }
 

@@ -4,8 +4,9 @@ use super::{Common, report};
 use crate::exemplar::Channel;
 use crate::exemplar::symmetry::{Symmetry, exemplar_symmetry};
 use crate::field::{DEFAULT_RATIO, default_scale};
+use crate::format::motion::Animation;
 use crate::format::{
-    ExemplarOptions, FaceGroup, Model, Record, check_output, holds_record, read_exemplar, read_file, read_model_bytes,
+    ExemplarOptions, FaceGroup, Model, Motion, Record, check_output, holds_record, read_exemplar, read_file, read_model_bytes,
     read_record_bytes,
 };
 use crate::job::estimate::{self, Estimate, Work};
@@ -55,6 +56,8 @@ struct MeshReport {
     unit: Option<String>,
     has_uvs: bool,
     has_colors: bool,
+    /// How it moves, if it does.
+    motion: Option<MotionReport>,
     groups: Vec<FaceGroup>,
     notes: Vec<String>,
     clean: CleanReport,
@@ -66,6 +69,24 @@ struct MeshReport {
     /// What `paste` would take at that scale with [`USUAL_EXEMPLAR`], following an axis.
     estimate: Estimate,
     lapped: Option<LappedReport>,
+}
+
+/// How a model moves.
+#[derive(Debug, Serialize)]
+struct MotionReport {
+    /// Nodes that carry vertices.
+    joints: usize,
+    /// Names; unnamed ones are empty.
+    morph_targets: Vec<String>,
+    /// In the order by which `--animation` counts them.
+    animations: Vec<AnimationReport>,
+}
+
+/// One animation.
+#[derive(Debug, Serialize)]
+struct AnimationReport {
+    name: String,
+    seconds: f64,
 }
 
 /// What is in a record.
@@ -99,7 +120,7 @@ struct ImageReport {
 /// Pixels and components of the exemplar that estimates suppose: a colour image of 512 x 512.
 const USUAL_EXEMPLAR: (f64, usize) = (512.0 * 512.0, 3);
 
-/// Groups of faces that are told by name.
+/// Groups of faces, and animations, that are told by name.
 const MOST_GROUPS: usize = 12;
 
 /// Runs the command.
@@ -182,6 +203,15 @@ fn lapped_report(record: &Record) -> LappedReport {
     }
 }
 
+fn motion_report(motion: &Motion) -> MotionReport {
+    let played = |a: &Animation| AnimationReport { name: a.name.clone(), seconds: a.duration() };
+    MotionReport {
+        joints: motion.joints.len(),
+        morph_targets: motion.targets.iter().map(|t| t.name.clone()).collect(),
+        animations: motion.animations.iter().map(played).collect(),
+    }
+}
+
 fn mesh_report(args: &InspectArgs, path: &Path, model: &Model, lapped: Option<LappedReport>) -> anyhow::Result<MeshReport> {
     let options = CleanOptions { weld: args.weld, ..CleanOptions::default() };
     let cleaned = clean(&model.positions, &model.faces, &options).with_context(|| path.display().to_string())?;
@@ -197,6 +227,7 @@ fn mesh_report(args: &InspectArgs, path: &Path, model: &Model, lapped: Option<La
         unit: source.unit.clone(),
         has_uvs: model.uvs.is_some(),
         has_colors: model.colors.is_some(),
+        motion: model.motion.as_ref().map(motion_report),
         groups: model.groups.clone(),
         notes: source.notes.clone(),
         bounds_min: low.to_array(),
@@ -249,6 +280,15 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
     }
     if c.open_components > c.largest_open.len() {
         text += &format!("                and {} smaller open ones\n", c.open_components - c.largest_open.len());
+    }
+    if let Some(motion) = &m.motion {
+        text += &format!("  moves         {} joint(s), {} morph target(s)\n", motion.joints, motion.morph_targets.len());
+        for (number, a) in motion.animations.iter().enumerate().take(MOST_GROUPS) {
+            text += &format!("  animation     {number}: {:?}, {:.2} s\n", a.name, a.seconds);
+        }
+        if motion.animations.len() > MOST_GROUPS {
+            text += &format!("                and {} more animations\n", motion.animations.len() - MOST_GROUPS);
+        }
     }
     for group in m.groups.iter().take(MOST_GROUPS) {
         text += &format!("  faces         {}: {}\n", group_text(group), group.count);

@@ -1,6 +1,6 @@
 //! `lapped render`: a picture of a record, or of a plain mesh.
 
-use super::brush::Brush;
+use super::brush::{Brush, Each};
 use super::picture::{self, Size};
 use super::{Common, report};
 use crate::atlas::AtlasTexture;
@@ -14,8 +14,9 @@ use crate::job::{Bound, Moving, Painted};
 use crate::mesh::clean::UserFace;
 use crate::mesh::{CleanOptions, Cleaned, Mesh, SurfacePoint, clean};
 use crate::paste::{Composite, LappedTexture};
+use crate::render::animation::Film;
 use crate::render::normals::crease_angle;
-use crate::render::{Grid, Picture, PreviewStyle, SheetOptions, Subject, View, animation};
+use crate::render::{Grid, PreviewStyle, SheetOptions, Subject, View};
 use crate::surface::{SurfaceTexture, Texel};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -233,7 +234,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let lapped = lapped.as_ref();
     let pictures = match played {
         Some((moving, animation)) if args.play => {
-            play(&brush, moving, animation, lapped, &view, grid, &mut options, &args.common).with_context(name)?
+            play(&brush, moving, animation, lapped, &view, grid, &mut options, args).with_context(name)?
         }
         _ => {
             if let (Some((moving, animation)), Some(time)) = (played, args.time) {
@@ -245,24 +246,29 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             let tints = tints.as_deref();
             let texture: Box<dyn SurfaceTexture + '_> = match look {
                 Some((at, look)) => Box::new(AtlasTexture::new(&mesh, at.uv, at.page, look.pages, at.frames)),
-                None => painted.map_or_else(|| texture_of(&mesh, lapped, args.parallax), |painted| Box::new(painted)),
+                None => painted.map_or_else(
+                    || texture_of(&mesh, lapped, args.parallax),
+                    |painted| Box::new(painted) as Box<dyn SurfaceTexture>,
+                ),
             };
             let subject = Subject { mesh: &mesh, texture: texture.as_ref(), lapped, guide: guide.as_ref() };
             match args.turntable {
-                None => vec![brush.sheet(&subject, tints, args.style, &options, &args.common).with_context(name)?],
+                None => {
+                    let drawn = brush.sheet(&subject, tints, args.style, &options, &args.common).with_context(name)?;
+                    picture::save(&args.output, &drawn)?;
+                    1
+                }
                 Some(count) => {
                     let cameras = view.turntable(&mesh, grid.aspect(), count);
-                    brush.views(&subject, tints, &options, &cameras, grid, &args.common).with_context(name)?
+                    save_film(&args.output, args.size.0, count, |each| {
+                        brush.views(&subject, tints, &options, &cameras, grid, &args.common, each).with_context(name)
+                    })?;
+                    count
                 }
             }
         }
     };
     let draw_seconds = start.elapsed().as_secs_f64();
-    if many {
-        save_turn(&args.output, &pictures)?;
-    } else {
-        picture::save(&args.output, &pictures[0])?;
-    }
     if let Some(path) = &args.common.report {
         let report = RunReport {
             command: "render",
@@ -272,7 +278,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             pastes: lapped.map_or(0, |l| l.pastes.len()),
             mode: brush.mode(),
             adapter: brush.adapter(),
-            pictures: pictures.len(),
+            pictures: pictures as usize,
             read_seconds,
             draw_seconds,
             peak_memory_bytes: report::peak_memory(),
@@ -299,7 +305,7 @@ const MOST_PICTURES: f64 = 3600.0;
 /// The most vertices of all its pictures together that the camera looks at to keep them in sight.
 const FRAMED: usize = 1 << 21;
 
-/// The pictures of an animation, all seen by one camera and over one ground.
+/// Draws and saves the pictures of an animation, all seen by one camera and over one ground; how many there are.
 #[allow(clippy::too_many_arguments, reason = "what is drawn, by what, and how")]
 fn play(
     brush: &Brush,
@@ -309,8 +315,8 @@ fn play(
     view: &View,
     grid: Grid,
     options: &mut SheetOptions,
-    common: &Common,
-) -> anyhow::Result<Vec<Picture>> {
+    args: &RenderArgs,
+) -> anyhow::Result<u32> {
     let duration = moving.motion.animations[animation].duration();
     let count = (duration * f64::from(PER_SECOND)).ceil().max(1.0);
     if count > MOST_PICTURES {
@@ -326,7 +332,10 @@ fn play(
     let camera = view.frame_points(seen.iter().copied(), grid.aspect());
     options.draw.floor = seen.iter().map(|p| p.dot(camera.world_up)).reduce(f64::min);
     let meshes = (0..count as u32).map(|k| Ok(moment(k)?));
-    brush.play(meshes, lapped, options, &camera, grid, common)
+    save_film(&args.output, args.size.0, count as u32, |each| {
+        brush.play(meshes, lapped, options, &camera, grid, &args.common, each)
+    })?;
+    Ok(count as u32)
 }
 
 /// What pictures that follow one another are written as.
@@ -357,15 +366,23 @@ impl Animation {
 /// Pictures a second of an animation.
 const PER_SECOND: u16 = 24;
 
-fn save_turn(path: &Path, pictures: &[Picture]) -> anyhow::Result<()> {
-    let bytes = match Animation::of(path)? {
-        Animation::Apng => animation::apng(pictures, PER_SECOND)?,
-        Animation::Gif => animation::gif(pictures, PER_SECOND)?,
+/// Saves `count` pictures as they are drawn.
+fn save_film(path: &Path, size: [u32; 2], count: u32, draw: impl FnOnce(Each<'_>) -> anyhow::Result<()>) -> anyhow::Result<()> {
+    let mut bytes = Vec::new();
+    let mut film = match Animation::of(path)? {
+        Animation::Apng => Film::apng(&mut bytes, size, count, PER_SECOND)?,
+        Animation::Gif => Film::gif(&mut bytes, size, PER_SECOND)?,
         Animation::Folder => {
-            std::fs::create_dir_all(path).with_context(|| format!("{}: the folder cannot be made", path.display()))?;
-            let save = |(k, drawn): (usize, &Picture)| picture::save(&path.join(format!("{k:04}.png")), drawn);
-            return pictures.iter().enumerate().try_for_each(save);
+            let mut number = 0;
+            return draw(&mut |drawn| {
+                std::fs::create_dir_all(path).with_context(|| format!("{}: the folder cannot be made", path.display()))?;
+                picture::save(&path.join(format!("{number:04}.png")), &drawn)?;
+                number += 1;
+                Ok(())
+            });
         }
     };
+    draw(&mut |drawn| Ok(film.push(&drawn)?))?;
+    film.finish()?;
     Ok(write_file(path, |out| out.write_all(&bytes))?)
 }

@@ -7,52 +7,82 @@ fn failed(reason: impl ToString) -> RenderError {
     RenderError::Encode { reason: reason.to_string() }
 }
 
-fn same_size(frames: &[Picture]) -> Result<&Picture, RenderError> {
-    let first = frames.first().ok_or_else(|| failed("there are no frames"))?;
-    let same = frames.iter().all(|f| (f.width, f.height) == (first.width, first.height));
-    if same { Ok(first) } else { Err(failed("the frames differ in size")) }
+/// Pictures that are written as they come, one after another, into one file's bytes. They are not kept.
+pub struct Film<'a> {
+    size: [u32; 2],
+    /// Pictures that were announced and have not come.
+    missing: u32,
+    to: Encoder<'a>,
 }
 
-/// An animated PNG that repeats for ever, `per_second` pictures each second: all colours, opacity, larger than a GIF.
-///
-/// # Errors
-/// If there are no pictures, or they differ in size.
-pub fn apng(frames: &[Picture], per_second: u16) -> Result<Vec<u8>, RenderError> {
-    let first = same_size(frames)?;
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, first.width, first.height);
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.set_animated(frames.len() as u32, 0).map_err(failed)?;
-    encoder.set_frame_delay(1, per_second.max(1)).map_err(failed)?;
-    let mut writer = encoder.write_header().map_err(failed)?;
-    for frame in frames {
-        writer.write_image_data(&frame.rgba).map_err(failed)?;
-    }
-    writer.finish().map_err(failed)?;
-    Ok(bytes)
+enum Encoder<'a> {
+    Apng(Box<png::Writer<&'a mut Vec<u8>>>),
+    Gif(Box<image::codecs::gif::GifEncoder<&'a mut Vec<u8>>>, image::Delay),
 }
 
-/// A GIF that repeats for ever, `per_second` pictures each second: 256 colours a picture, opacity all or nothing.
-///
-/// # Errors
-/// If there are no pictures, they differ in size, or a side is longer than the 65,535 pixels that a GIF can have.
-pub fn gif(frames: &[Picture], per_second: u16) -> Result<Vec<u8>, RenderError> {
-    /// How hard the palette is looked for, 1 (most) to 30: beyond 10 bands are seen.
-    const EFFORT: i32 = 10;
-    same_size(frames)?;
-    let mut bytes = Vec::new();
-    let mut encoder = image::codecs::gif::GifEncoder::new_with_speed(&mut bytes, EFFORT);
-    encoder.set_repeat(image::codecs::gif::Repeat::Infinite).map_err(failed)?;
-    let delay = image::Delay::from_numer_denom_ms(1000, u32::from(per_second.max(1)));
-    for frame in frames {
-        let buffer = image::RgbaImage::from_raw(frame.width, frame.height, frame.rgba.clone());
-        let buffer = buffer.ok_or_else(|| failed("a frame has too few pixels"))?;
-        encoder.encode_frame(image::Frame::from_parts(buffer, 0, 0, delay)).map_err(failed)?;
+impl<'a> Film<'a> {
+    /// An animated PNG of `count` pictures that repeats for ever, `per_second` of them each second: all colours, opacity, larger
+    /// than a GIF.
+    ///
+    /// # Errors
+    /// If there are no pictures or no pixels.
+    pub fn apng(bytes: &'a mut Vec<u8>, size: [u32; 2], count: u32, per_second: u16) -> Result<Self, RenderError> {
+        let mut encoder = png::Encoder::new(bytes, size[0], size[1]);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_animated(count, 0).map_err(failed)?;
+        encoder.set_frame_delay(1, per_second.max(1)).map_err(failed)?;
+        Ok(Self { size, missing: count, to: Encoder::Apng(Box::new(encoder.write_header().map_err(failed)?)) })
     }
-    drop(encoder);
-    Ok(bytes)
+
+    /// A GIF that repeats for ever, `per_second` pictures each second: 256 colours a picture, opacity all or nothing.
+    ///
+    /// # Errors
+    /// If it cannot begin.
+    pub fn gif(bytes: &'a mut Vec<u8>, size: [u32; 2], per_second: u16) -> Result<Self, RenderError> {
+        /// How hard the palette is looked for, 1 (most) to 30: beyond 10 bands are seen.
+        const EFFORT: i32 = 10;
+        let mut encoder = image::codecs::gif::GifEncoder::new_with_speed(bytes, EFFORT);
+        encoder.set_repeat(image::codecs::gif::Repeat::Infinite).map_err(failed)?;
+        let delay = image::Delay::from_numer_denom_ms(1000, u32::from(per_second.max(1)));
+        Ok(Self { size, missing: 0, to: Encoder::Gif(Box::new(encoder), delay) })
+    }
+
+    /// Writes the next picture.
+    ///
+    /// # Errors
+    /// If it has another size, a side longer than the 65,535 pixels that a GIF can have, or there are more than were announced.
+    pub fn push(&mut self, picture: &Picture) -> Result<(), RenderError> {
+        if [picture.width, picture.height] != self.size {
+            return Err(failed("the frames differ in size"));
+        }
+        match &mut self.to {
+            Encoder::Apng(writer) => {
+                self.missing = self.missing.checked_sub(1).ok_or_else(|| failed("more frames came than were announced"))?;
+                writer.write_image_data(&picture.rgba).map_err(failed)
+            }
+            Encoder::Gif(encoder, delay) => {
+                let buffer = image::RgbaImage::from_raw(picture.width, picture.height, picture.rgba.clone());
+                let buffer = buffer.ok_or_else(|| failed("a frame has too few pixels"))?;
+                encoder.encode_frame(image::Frame::from_parts(buffer, 0, 0, *delay)).map_err(failed)
+            }
+        }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// If fewer pictures came than were announced.
+    pub fn finish(self) -> Result<(), RenderError> {
+        if self.missing > 0 {
+            return Err(failed("fewer frames came than were announced"));
+        }
+        match self.to {
+            Encoder::Apng(writer) => writer.finish().map_err(failed),
+            Encoder::Gif(..) => Ok(()),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -63,8 +93,15 @@ mod tests {
     #[test]
     fn frames_come_back_in_their_order() {
         let frames: Vec<Picture> = (0..3).map(|k| Picture::filled(9, 5, [80 * k, 255 - 80 * k, 7, 255])).collect();
-        let png = image::codecs::png::PngDecoder::new(std::io::Cursor::new(apng(&frames, 24).unwrap())).unwrap();
-        let gif = image::codecs::gif::GifDecoder::new(std::io::Cursor::new(gif(&frames, 24).unwrap())).unwrap();
+        let mut files = [Vec::new(), Vec::new()];
+        let [first, second] = &mut files;
+        for mut film in [Film::apng(first, [9, 5], 3, 24).unwrap(), Film::gif(second, [9, 5], 24).unwrap()] {
+            frames.iter().for_each(|frame| film.push(frame).unwrap());
+            film.finish().unwrap();
+        }
+        let [first, second] = files.map(std::io::Cursor::new);
+        let png = image::codecs::png::PngDecoder::new(first).unwrap();
+        let gif = image::codecs::gif::GifDecoder::new(second).unwrap();
         let decoded = [png.apng().unwrap().into_frames().collect_frames(), gif.into_frames().collect_frames()];
         for (decoded, bound) in decoded.into_iter().zip([0, 4]) {
             let decoded = decoded.unwrap();
@@ -74,7 +111,16 @@ mod tests {
                 assert!(far <= Some(bound), "colours within {bound}: {far:?}");
             }
         }
-        assert!(apng(&[], 24).is_err() && super::gif(&[], 24).is_err(), "nothing to show");
-        assert!(apng(&[frames[0].clone(), Picture::filled(2, 2, [0; 4])], 24).is_err(), "two sizes");
+    }
+
+    #[test]
+    fn what_is_no_film_is_refused() {
+        let picture = Picture::filled(9, 5, [0; 4]);
+        let mut bytes = Vec::new();
+        assert!(Film::apng(&mut bytes, [9, 5], 0, 24).is_err(), "nothing to show");
+        let mut film = Film::apng(&mut bytes, [9, 5], 2, 24).unwrap();
+        assert!(film.push(&Picture::filled(2, 2, [0; 4])).is_err(), "two sizes");
+        film.push(&picture).unwrap();
+        assert!(film.finish().is_err(), "one is missing");
     }
 }

@@ -58,6 +58,19 @@ fn a_record_of_a_model_that_moves_is_drawn_at_a_moment_or_played() {
 }
 
 #[test]
+fn what_can_be_played_is_listed() {
+    let place = tail();
+    let out = place.run(&["inspect", "a.glb"]);
+    assert!(text(&out.stdout).contains("0: \"bend\", 2.00 s"), "number, name and length: {}", text(&out.stdout));
+    let out = place.run(&["inspect", "tail.glb", "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert_eq!(found["motion"]["animations"][0]["name"], "bend", "and for programs");
+    let out = place.run(&["inspect", "mesh.obj", "--json"]);
+    let found: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    assert!(found["motion"].is_null(), "a model that stands still");
+}
+
+#[test]
 fn what_cannot_be_played_is_told() {
     let place = tail();
     let render = |model, extra: &[&'static str], code| told(&place, &[&["render", model, "-o", "out/a.png"], extra].concat(), code);
