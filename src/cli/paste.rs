@@ -119,7 +119,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 29] = [
+const OF_A_REGION: [&str; 30] = [
     "exemplars",
     "scale",
     "ratio",
@@ -129,6 +129,7 @@ const OF_A_REGION: [&str; 29] = [
     "keep_faces",
     "patch",
     "feather",
+    "plain",
     "splotches",
     "weights",
     "color_only",
@@ -320,6 +321,7 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
         "scale": pasted.report.scale,
         "field": args.region.field.clone().unwrap_or_else(|| "up".to_owned()),
         "feather": args.region.feather,
+        "plain": args.region.plain,
         "regions": pasted.report.regions.iter().map(|r| &r.name).collect::<Vec<_>>(),
         "pastes": pasted.report.paste.pastes,
         "drawsPerFace": pasted.report.paste.draws_per_face,

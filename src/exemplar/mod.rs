@@ -108,6 +108,12 @@ impl ChannelSet {
         Self(self.0 | other.0)
     }
 
+    /// The channels that both sets have.
+    #[must_use]
+    pub const fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+
     /// The channels in the set, in order.
     pub fn iter(self) -> impl Iterator<Item = Channel> {
         Channel::ALL.into_iter().filter(move |&c| self.has(c))
@@ -206,6 +212,8 @@ pub struct TexturePatch {
     pub centre: Vec2,
     /// How often it is chosen, relative to the others. Positive.
     pub weight: f32,
+    /// True if its outline follows nothing in the exemplar, so that another part may show under it.
+    pub slides: bool,
 }
 
 /// Why an exemplar or a texture patch cannot be made.

@@ -119,11 +119,13 @@ pub struct PatchOptions {
     pub seed: u64,
     /// Splotches per [`PatchSource::Splotch`].
     pub splotches: u32,
+    /// Share of the exemplar's sides that splotches leave free, so that other parts of it can show under them.
+    pub room: f32,
 }
 
 impl Default for PatchOptions {
     fn default() -> Self {
-        Self { feather: 3.0, seed: 0, splotches: 3 }
+        Self { feather: 3.0, seed: 0, splotches: 3, room: 0.0 }
     }
 }
 
@@ -144,10 +146,11 @@ pub fn make_patches(
     for (number, spec) in specs.iter().enumerate() {
         let cuts = cuts(&ground, spec, options, u64::from(index) << 16 | number as u64, &mut warnings)?;
         let weight = spec.weight / cuts.len() as f32;
+        let slides = matches!(spec.source, PatchSource::Whole | PatchSource::Circle | PatchSource::Splotch);
         for Cut { name, depth, soft } in cuts {
             let name = format!("{name} of exemplar '{}'", exemplar.name);
             let patch = ground.patch(&name, depth, soft.as_deref(), &mut warnings)?;
-            patches.push(TexturePatch { exemplar: index, weight, ..patch });
+            patches.push(TexturePatch { exemplar: index, weight, slides: slides && ground.soft.is_none(), ..patch });
         }
     }
     Ok((patches, warnings))
@@ -169,6 +172,9 @@ fn check(specs: &[PatchSpec], options: &PatchOptions) -> Result<(), ExemplarErro
     }
     if options.splotches == 0 {
         return bad("the number of splotches", "0".to_owned(), "give 1 or more");
+    }
+    if !(0.0..=0.5).contains(&options.room) {
+        return bad("the room of splotches", options.room.to_string(), "give a share of the exemplar from 0 to 0.5");
     }
     for spec in specs {
         if !(spec.weight.is_finite() && spec.weight > 0.0) {
@@ -202,7 +208,8 @@ fn cuts(
         PatchSource::Splotch => (0..options.splotches)
             .map(|k| {
                 let mut random = Random::new(options.seed, SPLOTCH_STREAM + (stream << 16) + u64::from(k));
-                let points = splotch(Vec2::splat(0.5), ground.size() - 0.5, options.feather, &mut random);
+                let free = (ground.size() * options.room * 0.5).floor() + 0.5;
+                let points = splotch(free, ground.size() - free, options.feather, &mut random);
                 hard(format!("splotch {}", k + 1), ground.polygon(&points))
             })
             .collect(),
@@ -361,6 +368,7 @@ impl Ground {
             hull,
             centre: centre + origin.as_vec2(),
             weight: 1.0,
+            slides: false,
         })
     }
 }

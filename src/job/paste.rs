@@ -9,8 +9,9 @@
 use super::bind::Outgoing;
 use super::estimate::{Estimate, Work, in_words};
 use crate::exemplar::extend::extend_exemplar;
+use crate::exemplar::stack::tiles;
 use crate::exemplar::{
-    Channel, Exemplar, ExemplarError, PatchOptions, PatchSource, PatchSpec, TexturePatch, make_patches, opacity_is_outline,
+    Channel, Exemplar, ExemplarError, PatchOptions, PatchSource, PatchSpec, TexturePatch, Wrap, make_patches, opacity_is_outline,
 };
 use crate::field::{
     self, Constraints, FieldError, FieldOptions, Guide, RefineOptions, RefineStatistics, TangentField, constrained_on,
@@ -292,7 +293,12 @@ pub(super) fn cut_patches(
         if feather.is_finite() && feather > most.max(default_feather(size)) {
             return Err(JobError::Feather { feather, size, most });
         }
-        let options = PatchOptions { feather, ..job.patches.clone() };
+        if job.paste.windows && tiles(&input.exemplar) {
+            input.exemplar.wrap = Wrap::Repeat;
+        }
+        // What tiles has every window as it is.
+        let room = if job.paste.windows && input.exemplar.wrap == Wrap::Clamp { WINDOW_ROOM } else { job.patches.room };
+        let options = PatchOptions { feather, room, ..job.patches.clone() };
         let default = [PatchSpec { source: default_source(&input.exemplar, feather), weight: 1.0 }];
         let specs = if input.patches.is_empty() { &default[..] } else { &input.patches[..] };
         let (cut, told) = make_patches(&input.exemplar, index as u16, specs, &options).map_err(named)?;
@@ -310,6 +316,9 @@ pub(super) fn cut_patches(
 
 /// The paper's 3 pixels were for images of about 200; on larger ones they cut like scissors.
 const FEATHER_SHARE: f32 = 0.015;
+
+/// Share of an exemplar's sides that splotches leave free for windows: a few courses of most textures, for a quarter more pastes.
+const WINDOW_ROOM: f32 = 0.1;
 
 /// A wider feather, as a share of the exemplar's smaller side, leaves no opaque middle.
 const WIDEST_FEATHER: f32 = 0.4;

@@ -4,7 +4,8 @@
 //!
 //! One paste goes through [`grow`] (a disc of faces over the texture patch), [`fit`] (aligned with the field),
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
-//! again, and [`order`] sorts the pastes so that hard edges hide and drops what nobody can see. The result is a
+//! again, [`order`] sorts the pastes so that hard edges hide and drops what nobody can see, and [`window`] chooses what each
+//! of them shows. The result is a
 //! [`LappedTexture`]; [`Composite`] shows it.
 
 pub mod audit;
@@ -21,6 +22,7 @@ pub mod order;
 mod relief;
 pub mod seed;
 pub mod statistics;
+pub mod window;
 
 pub use composite::Composite;
 pub use coverage_backend::{Coverage, CoverageBackend};
@@ -41,6 +43,7 @@ use layout::{Layout, LayoutInput, Loop};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
+use window::{WindowStatistics, choose_windows};
 
 /// Width of a coverage cell in texels. Cells keep the least alpha within them, so they may be coarser than texels: at 2
 /// the loop looks at a quarter of the texels and needs about 2 % more pastes.
@@ -86,6 +89,8 @@ pub struct PasteOptions {
     pub hide_hard_edges: bool,
     /// Remove faces that later pastes hide.
     pub cull: bool,
+    /// Let each paste show the part of its exemplar that agrees best with what lies around it ([`window`]).
+    pub windows: bool,
     /// Where coverage is drawn.
     pub coverage: Coverage,
 }
@@ -100,6 +105,7 @@ impl Default for PasteOptions {
             isotropic_fit: IsotropicFit::default(),
             hide_hard_edges: true,
             cull: true,
+            windows: true,
             coverage: Coverage::default(),
         }
     }
@@ -212,6 +218,8 @@ pub struct PasteStatistics {
     pub stops: Stops,
     /// How the fitted faces deviate from the field.
     pub deviation: SpreadSummary,
+    /// Windows chosen, and how much better borders agree.
+    pub windows: WindowStatistics,
     /// Seconds per stage.
     pub seconds: StageSeconds,
 }
@@ -307,6 +315,11 @@ pub fn paste(
         edges = permute(edges, &order);
     }
     let mut lapped = LappedTexture { exemplars, patches, pastes, layers: Vec::new() };
+    // Before culling: what lies hidden below tells how the texture goes on.
+    if options.windows {
+        progress.stage("choosing windows", 0);
+        statistics.windows = choose_windows(mesh.face_count(), &mut lapped, options.seed);
+    }
     let left = order::cull(mesh, &mut lapped, &masks, &|f| f64::from(pitch[f as usize]), options.cull);
     edges = permute(edges, &left);
     let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);

@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use lapped::exemplar::{PatchOptions, PatchSource, PatchSpec, TexturePatch, make_patches};
+use lapped::exemplar::{PatchOptions, PatchSource, PatchSpec, TexturePatch, Wrap, make_patches};
 use lapped::format::{Model, Record, read_record, write_record};
 use lapped::job::{Bound, ExemplarInput, PasteJob, Pasted, paste_model};
 use lapped::mesh::{CleanOptions, Mesh, SurfacePoint, clean};
@@ -115,6 +115,18 @@ impl<'a> Points<'a> {
     /// `count` points in one list.
     pub(crate) fn list(&self, count: usize) -> Vec<SurfacePoint> {
         (0..count.div_ceil(CHUNK) as u64).flat_map(|k| self.chunk(k, CHUNK.min(count - k as usize * CHUNK))).collect()
+    }
+}
+
+/// Where a paste shows its exemplar under a pixel of its mask.
+pub(crate) fn exemplar_place(lapped: &LappedTexture, paste: u32, pixel: DVec2) -> Vec2 {
+    let paste = &lapped.pastes[paste as usize];
+    let patch = &lapped.patches[paste.patch as usize];
+    let exemplar = &lapped.exemplars[patch.exemplar as usize];
+    let place = pixel.as_vec2() + glam::IVec2::from(patch.origin).as_vec2() + paste.offset;
+    match exemplar.wrap {
+        Wrap::Repeat => place.rem_euclid(Vec2::from(exemplar.size().map(|s| s as f32))),
+        Wrap::Clamp => place,
     }
 }
 

@@ -77,6 +77,7 @@ fn record() -> Vec<u8> {
         hull: Hull::new(vec![Vec2::ZERO, Vec2::X, Vec2::Y]),
         centre: Vec2::ONE,
         weight: 1.0,
+        slides: false,
     };
     let paste = Paste { patch: 0, faces: vec![1, 0], uv: vec![[Vec2::ZERO; 3]; 2], offset: Vec2::X };
     record.lapped = LappedTexture {

@@ -62,6 +62,7 @@ fn full_record() -> Record {
         hull: Hull::new(vec![Vec2::new(0.1, 0.2), Vec2::new(7.3, 1.0 / 3.0), Vec2::new(5.0, 9.87654)]),
         centre: Vec2::new(3.3, 4.7),
         weight: 0.7,
+        slides: exemplar == 0,
     };
     let patches = vec![patch(0, &mut r), patch(1, &mut r), patch(0, &mut r)];
     let pastes: Vec<Paste> = (0..40)

@@ -155,6 +155,7 @@ pub(crate) fn round_patch(side: u32, origin: [i32; 2]) -> TexturePatch {
         hull: Hull::new(vec![Vec2::ZERO, Vec2::new(side as f32, 0.0), Vec2::splat(side as f32), Vec2::new(0.0, side as f32)]),
         centre: Vec2::splat(middle),
         weight: 1.0,
+        slides: false,
     }
 }
 

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-use crate::common::{Points, input, mask_alpha, meshed, model_of, opened, pasted, patches, sheet};
+use crate::common::{Points, exemplar_place, input, mask_alpha, meshed, model_of, opened, pasted, patches, sheet};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 use lapped::exemplar::srgb::encode;
 use lapped::exemplar::{Channel, PatchSource};
@@ -139,12 +139,12 @@ fn overlapping_pastes_blend_as_computed_by_hand() {
         for at in Points::new(mesh).list(20_000) {
             let place = mesh.position(at).truncate();
             let (mut sum, mut clear) = (Vec3::ZERO, 1.0_f64);
-            for (paste, flat) in lapped.pastes.iter().zip(&flats).rev() {
+            for (k, (paste, flat)) in lapped.pastes.iter().zip(&flats).enumerate().rev() {
                 let patch = &lapped.patches[paste.patch as usize];
                 let pixel = flat.pixel(place);
                 let alpha = mask_alpha(patch, pixel);
                 layers += usize::from(alpha > 0.0);
-                sum += colours.bilinear((pixel + glam::IVec2::from(patch.origin).as_dvec2()).as_vec2()) * (clear * alpha) as f32;
+                sum += colours.bilinear(exemplar_place(lapped, k as u32, pixel)) * (clear * alpha) as f32;
                 clear *= 1.0 - alpha;
             }
             worst = worst.max(apart(composite.texel(at, 0.0).base_color, sum / (1.0 - clear) as f32));

@@ -9,3 +9,4 @@ mod flat;
 mod hard;
 mod repeat;
 mod ways;
+mod windows;

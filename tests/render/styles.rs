@@ -29,6 +29,7 @@ fn pasted(mesh: &Mesh, at: &[(Vec2, f32)]) -> LappedTexture {
         hull: Hull::new(vec![Vec2::ZERO, Vec2::new(0.0, 64.0), Vec2::splat(64.0), Vec2::new(64.0, 0.0)]),
         centre: Vec2::splat(32.0),
         weight: 1.0,
+        slides: false,
     };
     let paste = |&(middle, width): &(Vec2, f32)| {
         let uv = |v: u32| {

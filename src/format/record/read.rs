@@ -104,6 +104,8 @@ struct PatchEntry {
     hull: Vec<f64>,
     centre: [f64; 2],
     weight: f64,
+    #[serde(default)]
+    slides: bool,
 }
 
 #[derive(Debug, Deserialize)]
@@ -256,6 +258,7 @@ fn read_patch(data: &Data<'_>, index: usize, entry: &PatchEntry) -> Result<Textu
         hull: Hull::new(pairs.iter().map(|&p| point(p)).collect()),
         centre: point(entry.centre),
         weight: entry.weight as f32,
+        slides: entry.slides,
     })
 }
 

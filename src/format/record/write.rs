@@ -57,6 +57,7 @@ impl<'a> Tables<'a> {
             patches.push(json!({
                 "exemplar": patch.exemplar, "mask": mask, "origin": patch.origin, "size": patch.mask.size(),
                 "hull": hull, "centre": patch.centre.as_dvec2().to_array(), "weight": f64::from(patch.weight),
+                "slides": patch.slides,
             }));
         }
         put("patches", Some(patches.into()));

@@ -1,0 +1,458 @@
+//! Windows: which part of the exemplar shows under the mask of each paste.
+//!
+//! Where the mask lies is decided by growth and fit; what shows under it is free as long as the exemplar goes on. So each paste
+//! takes the window that agrees best with what already lies around it.
+//!
+//! Based on: the overlap error of Efros and Freeman, "Image Quilting for Texture Synthesis and Transfer", SIGGRAPH 2001, section
+//! 2, here on a surface and with the masks of Praun, Finkelstein, Hoppe 2000.
+//!
+//! 1. Pastes take their turn outwards from one of them, so that there are few places where windows chosen apart meet. Those
+//!    that share no face are independent, and go wave by wave in parallel.
+//! 2. Along the border of each mask lies a band: full weight in the feather, falling off inwards. A paste is sampled where its own
+//!    band lies over pastes whose windows are known, and where bands of such pastes lie over it, as far as that shows.
+//! 3. On a level of a few dozen pixels every window is tried; the best few are followed to finer levels, pixel by pixel.
+//!
+//! An exemplar that tiles has all windows; any other those that keep the mask inside it. Colours and all other channels count as
+//! [`crate::exemplar::stack`] weighs them.
+
+use super::composite::paste_alpha;
+use super::lapped::{FaceLists, LappedTexture, Paste};
+use crate::exemplar::distance::distance;
+use crate::exemplar::stack::matched;
+use crate::exemplar::{ChannelSet, Exemplar, TexturePatch, Wrap};
+use crate::random::Random;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Longest side of the finest level that is matched; a finer one moves a window by less than a feather.
+const FINEST: u32 = 512;
+/// Longest side of the level on which every window is tried.
+const COARSEST: usize = 32;
+/// Windows that are followed from each level to the next finer one.
+const KEPT: usize = 4;
+/// Samples of one border on the level where every window is tried, and on finer ones.
+const COARSE_SAMPLES: usize = 128;
+const FINE_SAMPLES: usize = 384;
+/// Distance between neighbouring samples, as a share of the mask's longer side.
+const PITCH: f32 = 1.0 / 96.0;
+/// How far inside the feather the weight falls to 1/e, as a share of the mask's longer side: a course of bricks that goes on
+/// below is met by the one above.
+const BAND: f32 = 0.03;
+/// Fewer samples than this say nothing.
+const LEAST_SAMPLES: usize = 8;
+/// Share of what lies below from which it is known.
+const KNOWN: f32 = 0.5;
+/// Samples that count less than this are left out.
+const LEAST_WEIGHT: f32 = 0.05;
+/// Random stream of the windows of pastes without known neighbours.
+const STREAM: u64 = 0x5749_4E44_4F57_0000;
+
+/// What [`choose_windows`] did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct WindowStatistics {
+    /// Pastes whose window was chosen by what lies around them.
+    pub matched: usize,
+    /// Root mean square difference along visible borders, in steps of encoded colour (0 to 1), with all windows at rest.
+    pub border_before: f64,
+    /// The same with the windows chosen.
+    pub border_after: f64,
+    /// Seconds.
+    pub seconds: f64,
+}
+
+/// One level of an exemplar as numbers to match, repeated once to the right and down, so that windows need no remainder.
+struct Level {
+    size: [usize; 2],
+    /// Pixels of it along one of the exemplar's.
+    scale: Vec2,
+    components: usize,
+    data: Vec<f32>,
+}
+
+impl Level {
+    fn new(exemplar: &Exemplar, channels: ChannelSet, level: usize) -> Self {
+        let images: Vec<_> = channels.iter().filter_map(|c| Some((c, exemplar.channel(c)?.levels().get(level)?))).collect();
+        let full = exemplar.size();
+        let [w, h] = images.first().map_or([1, 1], |(_, image)| image.size()).map(|s| s as usize);
+        let mut numbers = Vec::new();
+        let mut rows = Vec::new();
+        for y in 0..h as i64 {
+            numbers.clear();
+            for x in 0..w as i64 {
+                images.iter().for_each(|(c, image)| matched(*c, image.pixel(x, y).to_array(), &mut numbers));
+            }
+            rows.extend_from_slice(&numbers);
+            rows.extend_from_slice(&numbers);
+        }
+        let data = [rows.as_slice(), rows.as_slice()].concat();
+        let components = numbers.len() / w.max(1);
+        Self { size: [w, h], scale: Vec2::new(w as f32 / full[0] as f32, h as f32 / full[1] as f32), components, data }
+    }
+
+    /// The pixel of this level under a pixel of the exemplar, wrapped.
+    fn cell(&self, pixel: Vec2) -> [usize; 2] {
+        let p = (pixel * self.scale).floor();
+        [(p.x as i64).rem_euclid(self.size[0] as i64) as usize, (p.y as i64).rem_euclid(self.size[1] as i64) as usize]
+    }
+
+    fn at(&self, [x, y]: [usize; 2]) -> &[f32] {
+        &self.data[(y * 2 * self.size[0] + x) * self.components..][..self.components]
+    }
+}
+
+/// An exemplar's levels, finest first.
+struct Levels(Vec<Level>);
+
+impl Levels {
+    fn new(exemplar: &Exemplar, channels: ChannelSet) -> Self {
+        let [w, h] = exemplar.size();
+        let count = exemplar.channel(crate::exemplar::Channel::BaseColor).map_or(1, |c| c.levels().len());
+        let side = |level: usize| (w.max(h) >> level).max(1);
+        let first = (0..count).find(|&l| side(l) <= FINEST).unwrap_or(0);
+        let last = (first..count).find(|&l| side(l) as usize <= COARSEST).unwrap_or(count - 1).max(first);
+        Self((first..=last).map(|l| Level::new(exemplar, channels, l)).collect())
+    }
+}
+
+/// How much each pixel of a mask counts as border.
+struct Border {
+    width: usize,
+    weight: Vec<f32>,
+    pitch: f32,
+}
+
+impl Border {
+    fn new(patch: &TexturePatch) -> Self {
+        let mask = patch.mask.finest();
+        let [w, h] = mask.size().map(|s| s as usize);
+        let outside: Vec<bool> = mask.data().iter().map(|&a| a <= 0.02).collect();
+        let depth = distance(&outside, w);
+        // Half way through the feather.
+        let middle = depth.iter().zip(mask.data()).filter(|(_, a)| **a < 0.5).map(|(d, _)| *d).fold(0.0, f32::max);
+        let band = BAND * w.max(h) as f32;
+        let of = |(d, a): (&f32, &f32)| if *a <= 0.02 { 0.0 } else { (-((d - middle).max(0.0) / band).powi(2)).exp() };
+        let weight = depth.iter().zip(mask.data()).map(of).map(|w| if w < 0.02 { 0.0 } else { w }).collect();
+        Self { width: w, weight, pitch: (PITCH * w.max(h) as f32).max(1.0) }
+    }
+
+    fn at(&self, pixel: Vec2) -> f32 {
+        if pixel.min_element() < 0.0 || pixel.x >= self.width as f32 {
+            return 0.0;
+        }
+        self.weight.get(pixel.y as usize * self.width + pixel.x as usize).copied().unwrap_or(0.0)
+    }
+}
+
+/// A place where a paste meets another.
+struct Sample {
+    /// Pixel of its exemplar without any shift.
+    pixel: Vec2,
+    weight: f32,
+    /// Numbers of the other side, level by level.
+    other: Vec<f32>,
+}
+
+/// A paste at a point.
+struct Mark {
+    paste: u32,
+    alpha: f32,
+    /// Weight as border.
+    border: f32,
+    /// Pixel of its exemplar without any shift.
+    pixel: Vec2,
+}
+
+struct Matcher<'a> {
+    lapped: &'a LappedTexture,
+    lists: FaceLists,
+    levels: Vec<Levels>,
+    borders: Vec<Border>,
+}
+
+/// Chooses the windows of all pastes. Exemplars that tile must say so by their `wrap`.
+pub fn choose_windows(face_count: usize, lapped: &mut LappedTexture, seed: u64) -> WindowStatistics {
+    let begin = std::time::Instant::now();
+    let channels = lapped.exemplars.iter().map(Exemplar::channels).reduce(ChannelSet::intersection).unwrap_or_default();
+    let mut statistics = WindowStatistics::default();
+    let rooms: Vec<[Vec2; 2]> = lapped.patches.iter().map(|p| room(&lapped.exemplars[p.exemplar as usize], p)).collect();
+    let matcher = Matcher {
+        lists: FaceLists::new(face_count, &lapped.pastes),
+        levels: lapped.exemplars.iter().map(|e| Levels::new(e, channels)).collect(),
+        borders: lapped.patches.par_iter().map(Border::new).collect(),
+        lapped,
+    };
+    let order = outwards(&matcher.lists, &matcher.lapped.pastes);
+    let waves = waves(face_count, &matcher.lapped.pastes, &order);
+    let mut known = vec![false; order.len()];
+    let mut pastes = matcher.lapped.pastes.clone();
+    let mut sums = [0.0_f64; 3];
+    for wave in waves {
+        let chosen: Vec<(Vec2, bool, [f64; 3])> = wave
+            .par_iter()
+            .map(|&k| {
+                let room = rooms[pastes[k as usize].patch as usize];
+                if (room[1] - room[0]).max_element() < 1.0 {
+                    return (pastes[k as usize].offset, false, [0.0; 3]);
+                }
+                let samples = matcher.samples(k, &pastes, &known);
+                matcher.choose(k, &pastes, &samples, room, seed)
+            })
+            .collect();
+        for (&k, (offset, found, [weight, before, after])) in wave.iter().zip(chosen) {
+            pastes[k as usize].offset = offset;
+            known[k as usize] = true;
+            statistics.matched += usize::from(found);
+            sums = [sums[0] + weight, sums[1] + before, sums[2] + after];
+        }
+    }
+    lapped.pastes = pastes;
+    let rms = |sum: f64| if sums[0] > 0.0 { (sum / sums[0]).sqrt() } else { 0.0 };
+    (statistics.border_before, statistics.border_after) = (rms(sums[1]), rms(sums[2]));
+    statistics.seconds = begin.elapsed().as_secs_f64();
+    statistics
+}
+
+/// Least and greatest shift of a patch's content.
+fn room(exemplar: &Exemplar, patch: &TexturePatch) -> [Vec2; 2] {
+    let size = Vec2::from(exemplar.size().map(|s| s as f32));
+    if !patch.slides {
+        return [Vec2::ZERO; 2];
+    }
+    match exemplar.wrap {
+        Wrap::Repeat => [Vec2::ZERO, size],
+        Wrap::Clamp => {
+            let origin = Vec2::from(patch.origin.map(|o| o as f32));
+            let mask = Vec2::from(patch.mask.size().map(|s| s as f32));
+            [(-origin).min(Vec2::ZERO), (size - origin - mask).max(Vec2::ZERO)]
+        }
+    }
+}
+
+/// Pastes in the order in which they are met from one of them, over shared faces; so for each part of the surface.
+fn outwards(lists: &FaceLists, pastes: &[Paste]) -> Vec<u32> {
+    let mut met = vec![false; pastes.len()];
+    let mut order: Vec<u32> = Vec::with_capacity(pastes.len());
+    let mut looked = vec![false; lists.start.len()];
+    for first in 0..pastes.len() {
+        if std::mem::replace(&mut met[first], true) {
+            continue;
+        }
+        let mut next = order.len();
+        order.push(first as u32);
+        while let Some(&k) = order.get(next) {
+            next += 1;
+            for &face in &pastes[k as usize].faces {
+                if std::mem::replace(&mut looked[face as usize], true) {
+                    continue;
+                }
+                let others = lists.of(face).iter().map(|&(paste, _)| paste);
+                order.extend(others.filter(|&p| !std::mem::replace(&mut met[p as usize], true)));
+            }
+        }
+    }
+    order
+}
+
+/// Pastes in waves: each shares no face with one of its own wave, and those before it in the order that share one with it are
+/// in earlier waves.
+fn waves(face_count: usize, pastes: &[Paste], order: &[u32]) -> Vec<Vec<u32>> {
+    let mut reached = vec![0_usize; face_count];
+    let mut waves: Vec<Vec<u32>> = Vec::new();
+    for &k in order {
+        let faces = &pastes[k as usize].faces;
+        let wave = faces.iter().map(|&f| reached[f as usize]).max().unwrap_or(0);
+        faces.iter().for_each(|&f| reached[f as usize] = wave + 1);
+        if wave == waves.len() {
+            waves.push(Vec::new());
+        }
+        waves[wave].push(k);
+    }
+    waves
+}
+
+impl Matcher<'_> {
+    /// Where a paste meets others whose windows are known, as far as it shows.
+    fn samples(&self, k: u32, pastes: &[Paste], known: &[bool]) -> Vec<Sample> {
+        let paste = &pastes[k as usize];
+        let patch = &self.lapped.patches[paste.patch as usize];
+        let pitch = self.borders[paste.patch as usize].pitch;
+        let size = Vec2::from(patch.mask.size().map(|s| s as f32));
+        let mut samples = Vec::new();
+        let mut marks = Vec::new();
+        for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
+            let [a, b, c] = uv.map(|p| p * size);
+            let (low, high) = (a.min(b).min(c).max(Vec2::ZERO), a.max(b).max(c).min(size));
+            let turn = (b - a).perp_dot(c - a);
+            let alone = self.lists.of(face).iter().all(|&(p, _)| p == k || !known[p as usize]);
+            if alone || turn == 0.0 || !low.cmplt(high).all() {
+                continue;
+            }
+            let [first, last] = [(low / pitch).ceil(), (high / pitch).floor()];
+            for y in first.y as i32..=last.y as i32 {
+                for x in first.x as i32..=last.x as i32 {
+                    let p = Vec2::new(x as f32, y as f32) * pitch;
+                    let bary = Vec3::new((c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)) / turn;
+                    if bary.min_element() < 0.0 {
+                        continue;
+                    }
+                    self.mark(pastes, face, bary, &mut marks);
+                    if let Some(own) = marks.iter().position(|m| m.paste == k) {
+                        samples.extend(self.over(pastes, known, &marks, own));
+                        samples.extend(self.under(pastes, known, &marks, own));
+                    }
+                }
+            }
+        }
+        samples
+    }
+
+    /// The pastes that have alpha at a point, from the top down.
+    fn mark(&self, pastes: &[Paste], face: u32, bary: Vec3, marks: &mut Vec<Mark>) {
+        marks.clear();
+        for &(number, slot) in self.lists.of(face).iter().rev() {
+            let paste = &pastes[number as usize];
+            let alpha = paste_alpha(&self.lapped.patches, paste, slot, bary);
+            if alpha > 0.0 {
+                let patch = &self.lapped.patches[paste.patch as usize];
+                let uv: Vec2 = (0..3).map(|i| paste.uv[slot as usize][i] * bary[i]).sum();
+                let pixel = uv * Vec2::from(patch.mask.size().map(|s| s as f32));
+                let border = self.borders[paste.patch as usize].at(pixel);
+                marks.push(Mark { paste: number, alpha, border, pixel: pixel + Vec2::from(patch.origin.map(|o| o as f32)) });
+            }
+        }
+    }
+
+    /// The paste's own border over what is known below.
+    fn over(&self, pastes: &[Paste], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
+        let seen: f32 = marks[..own].iter().map(|m| 1.0 - m.alpha).product();
+        let weight = seen * marks[own].border;
+        if weight < LEAST_WEIGHT {
+            return None;
+        }
+        let mut other = Vec::new();
+        let (mut left, mut covered) = (1.0_f32, 0.0);
+        for mark in &marks[own + 1..] {
+            let share = left * mark.alpha;
+            left -= share;
+            if known[mark.paste as usize] {
+                covered += share;
+                self.add(&pastes[mark.paste as usize], mark, share, &mut other);
+            }
+        }
+        if covered < KNOWN {
+            return None;
+        }
+        other.iter_mut().for_each(|n| *n /= covered);
+        Some(Sample { pixel: marks[own].pixel, weight: weight * covered, other })
+    }
+
+    /// The topmost known border over the paste.
+    fn under(&self, pastes: &[Paste], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
+        let mut seen = 1.0;
+        for (place, mark) in marks[..own].iter().enumerate() {
+            let between: f32 = marks[place + 1..own].iter().map(|m| 1.0 - m.alpha).product();
+            let weight = seen * mark.border * between * marks[own].alpha;
+            if known[mark.paste as usize] && weight >= LEAST_WEIGHT {
+                let mut other = Vec::new();
+                self.add(&pastes[mark.paste as usize], mark, 1.0, &mut other);
+                return Some(Sample { pixel: marks[own].pixel, weight, other });
+            }
+            seen *= 1.0 - mark.alpha;
+        }
+        None
+    }
+
+    /// Adds a share of what a paste shows, level by level.
+    fn add(&self, paste: &Paste, mark: &Mark, share: f32, to: &mut Vec<f32>) {
+        let patch = &self.lapped.patches[paste.patch as usize];
+        let mut next = 0;
+        for level in &self.levels[patch.exemplar as usize].0 {
+            let values = level.at(level.cell(mark.pixel + paste.offset));
+            to.resize(to.len().max(next + values.len()), 0.0);
+            to[next..].iter_mut().zip(values).for_each(|(n, v)| *n += share * v);
+            next += values.len();
+        }
+    }
+
+    /// The window of a paste; whether its border said anything; and weight and squared differences before and after.
+    fn choose(&self, k: u32, pastes: &[Paste], samples: &[Sample], room: [Vec2; 2], seed: u64) -> (Vec2, bool, [f64; 3]) {
+        let span = room[1] - room[0];
+        let mut random = Random::new(seed, STREAM + u64::from(k));
+        let draw = |random: &mut Random| {
+            let part = |span: f32, random: &mut Random| (random.unit() as f32 * span).floor().min((span - 1.0).max(0.0));
+            room[0] + Vec2::new(part(span.x, random), part(span.y, random))
+        };
+        let patch = &self.lapped.patches[pastes[k as usize].patch as usize];
+        let levels = &self.levels[patch.exemplar as usize].0;
+        let coarsest = levels.len() - 1;
+        let fine: Vec<&Sample> = spread(samples, FINE_SAMPLES);
+        let coarse: Vec<&Sample> = spread(samples, COARSE_SAMPLES);
+        let at_rest = self.error(&levels[0], 0, &fine, Vec2::ZERO);
+        if samples.len() < LEAST_SAMPLES {
+            return (draw(&mut random), false, [0.0; 3]);
+        }
+        let weight: f64 = fine.iter().map(|s| f64::from(s.weight)).sum();
+        let level = &levels[coarsest];
+        let step = Vec2::ONE / level.scale;
+        let count = (span / step).ceil().max(Vec2::ONE);
+        let mut best: Vec<(f64, Vec2)> = Vec::new();
+        for y in 0..count.y as u32 {
+            for x in 0..count.x as u32 {
+                let offset = (room[0] + Vec2::new(x as f32, y as f32) * step).min(room[1]);
+                keep(&mut best, self.error(level, coarsest, &coarse, offset), offset);
+            }
+        }
+        for l in (0..coarsest).rev() {
+            let level = &levels[l];
+            let step = Vec2::ONE / level.scale;
+            let mut next = Vec::new();
+            for &(_, around) in &best {
+                for (dx, dy) in (-1..=1).flat_map(|y| (-1..=1).map(move |x| (x, y))) {
+                    let offset = around + Vec2::new(dx as f32, dy as f32) * step;
+                    let offset = match self.lapped.exemplars[patch.exemplar as usize].wrap {
+                        Wrap::Repeat => offset,
+                        Wrap::Clamp => offset.clamp(room[0], room[1]),
+                    };
+                    if next.iter().all(|&(_, o)| o != offset) {
+                        keep(&mut next, self.error(level, l, &fine, offset), offset);
+                    }
+                }
+            }
+            best = next;
+        }
+        let (error, offset) = best[0];
+        let size = Vec2::from(self.lapped.exemplars[patch.exemplar as usize].size().map(|s| s as f32));
+        let offset = if room[0] == Vec2::ZERO && room[1] == size { offset.rem_euclid(size) } else { offset };
+        (offset.round(), true, [weight, at_rest, error])
+    }
+
+    /// Weighted squared difference of a window on one level.
+    fn error(&self, level: &Level, number: usize, samples: &[&Sample], offset: Vec2) -> f64 {
+        let shift = level.cell(offset);
+        let from = number * level.components;
+        let mut sum = 0.0_f32;
+        for s in samples {
+            let [x, y] = level.cell(s.pixel);
+            let own = level.at([x + shift[0], y + shift[1]]);
+            let apart: f32 = own.iter().zip(&s.other[from..]).map(|(a, b)| (a - b) * (a - b)).sum();
+            sum += s.weight * apart;
+        }
+        f64::from(sum)
+    }
+}
+
+/// So many of the samples, evenly.
+fn spread(samples: &[Sample], most: usize) -> Vec<&Sample> {
+    let step = samples.len().div_ceil(most).max(1);
+    samples.iter().step_by(step).collect()
+}
+
+/// Keeps the best few, best first.
+fn keep(best: &mut Vec<(f64, Vec2)>, error: f64, offset: Vec2) {
+    let place = best.partition_point(|(e, _)| *e <= error);
+    if place < KEPT {
+        best.truncate(KEPT - 1);
+        best.insert(place, (error, offset));
+    }
+}
