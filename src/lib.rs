@@ -46,3 +46,5 @@ pub mod random;
 pub mod render;
 pub mod surface;
 pub mod synth;
+#[cfg(feature = "viewer")]
+pub mod viewer;

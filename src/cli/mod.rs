@@ -20,6 +20,8 @@ pub mod retile;
 pub mod shell;
 pub mod synth;
 mod vertex_output;
+#[cfg(feature = "viewer")]
+pub mod view;
 
 use clap::{Args, Parser, Subcommand};
 use std::io::{IsTerminal, Write};
@@ -61,6 +63,9 @@ enum Command {
     Synth(Box<synth::SynthArgs>),
     /// Draw a record, or a plain mesh
     Render(render::RenderArgs),
+    /// Open the window: see, steer and change a texture live
+    #[cfg(feature = "viewer")]
+    View(view::ViewArgs),
     /// Give a mesh another number of vertices, evenly spread
     Retile(retile::RetileArgs),
     /// Make a smooth field of directions over a mesh
@@ -118,6 +123,8 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Bake(args) => with_threads(&args.common, || bake::run(args)),
         Command::Synth(args) => with_threads(&args.common, || synth::run(args)),
         Command::Render(args) => with_threads(&args.common, || render::run(args)),
+        #[cfg(feature = "viewer")]
+        Command::View(args) => on_main_thread(&args.common, || view::run(args)),
         Command::Retile(args) => with_threads(&args.common, || retile::run(args)),
         Command::Field(args) => with_threads(&args.common, || field::run(args)),
         Command::Inspect(args) => with_threads(&args.common, || inspect::run(args)),
@@ -150,6 +157,13 @@ fn stop_cleanly() {
 /// Runs on as many threads as asked for.
 fn with_threads(common: &Common, work: impl FnOnce() -> anyhow::Result<()> + Send) -> anyhow::Result<()> {
     rayon::ThreadPoolBuilder::new().num_threads(common.threads).build()?.install(work)
+}
+
+/// The same for work that systems want from the thread that the program began with, as windows are.
+#[cfg(feature = "viewer")]
+fn on_main_thread(common: &Common, work: impl FnOnce() -> anyhow::Result<()>) -> anyhow::Result<()> {
+    rayon::ThreadPoolBuilder::new().num_threads(common.threads).build_global()?;
+    work()
 }
 
 /// True if whoever read our output has stopped reading, which is no failure of ours.

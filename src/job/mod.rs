@@ -13,6 +13,7 @@ pub mod estimate;
 pub mod moving;
 pub mod painted;
 pub mod paste;
+pub mod project;
 pub mod regions;
 pub mod synth;
 
@@ -23,6 +24,7 @@ pub use displace::{Displace, displace_mesh};
 pub use estimate::{Estimate, Work, available_memory};
 pub use moving::Moving;
 pub use painted::Painted;
-pub use paste::{ExemplarInput, JobError, JobReport, PasteJob, Pasted, Scale, Steer, paste_model};
+pub use paste::{ExemplarInput, JobError, JobReport, Laid, PasteJob, Pasted, Scale, Steer, cut_patches, lay, paste_model};
+pub use project::{Link, Project, ProjectError, ProjectExemplar};
 pub use regions::{Region, RegionReport, paste_regions};
 pub use synth::{Density, Direction, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on, transfer};

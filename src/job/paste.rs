@@ -210,21 +210,83 @@ pub struct Pasted {
 /// If the model is no mesh, an exemplar has no usable patch, the field or scale is unusable, or `progress` cancels.
 pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, progress: &dyn Progress) -> Result<Pasted, JobError> {
     let begin = Instant::now();
-    let mut report = JobReport::default();
     progress.stage("cleaning the mesh", 0);
     let cleaned = clean(&model.positions, &model.faces, &job.clean)?;
-    report.clean = cleaned.report.clone();
-
     progress.stage("cutting texture patches", 0);
-    let (exemplars, patches) = cut_patches(inputs, job, &mut report.warnings)?;
-    report.patches = patches.len();
+    let mut warnings = Vec::new();
+    let (exemplars, patches) = cut_patches(inputs, job, &mut warnings)?;
+    let prepared = begin.elapsed().as_secs_f64();
+    let mut laid = lay(&cleaned, exemplars, patches, job, progress)?;
+    laid.report.prepare_seconds += prepared;
+    warnings.append(&mut laid.report.warnings);
+    laid.report.warnings = warnings;
+    let record = laid.record(model, &cleaned);
+    let mesh = laid.fine.map_or(cleaned.mesh, |f| f.mesh);
+    Ok(Pasted { record, mesh, lapped: laid.lapped, guide: laid.guide, report: laid.report })
+}
 
+/// Pastes on a clean mesh, not yet brought back onto the model's faces.
+#[derive(Debug, Clone)]
+pub struct Laid {
+    /// The subdivision of the clean mesh that was pasted on, if any face was cut.
+    pub fine: Option<Subdivision>,
+    /// The lapped texture on that mesh.
+    pub lapped: LappedTexture,
+    /// What steered it.
+    pub guide: Guide,
+    /// Figures.
+    pub report: JobReport,
+}
+
+impl Laid {
+    /// The mesh that was pasted on.
+    #[must_use]
+    pub fn mesh<'a>(&'a self, cleaned: &'a Cleaned) -> &'a Mesh {
+        self.fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh)
+    }
+
+    /// The model with the pastes on its faces, ready to be written; `cleaned` is what was pasted on.
+    #[must_use]
+    pub fn record(&self, model: &Model, cleaned: &Cleaned) -> Record {
+        let out = Outgoing::new(model, cleaned, self.fine.as_ref());
+        let Self { lapped, guide, .. } = self;
+        Record {
+            field: guide.field().map(|f| out.per_face(&f.up)),
+            lapped: LappedTexture {
+                pastes: out.pastes(&lapped.pastes),
+                exemplars: lapped.exemplars.clone(),
+                patches: lapped.patches.clone(),
+                layers: Vec::new(),
+            },
+            model: out.model,
+            source_face: out.source_face,
+            generator: concat!("lapped ", env!("CARGO_PKG_VERSION")).to_owned(),
+            job: serde_json::Value::Null,
+            look: None,
+        }
+    }
+}
+
+/// The part of a job that is done again when only its size, field or method changes: steers and pastes on a mesh that is clean
+/// with patches that are cut ([`cut_patches`]).
+///
+/// # Errors
+/// If the field or scale is unusable, there are no patches, or `progress` cancels.
+pub fn lay(
+    cleaned: &Cleaned,
+    exemplars: Vec<Exemplar>,
+    patches: Vec<TexturePatch>,
+    job: &PasteJob,
+    progress: &dyn Progress,
+) -> Result<Laid, JobError> {
+    let begin = Instant::now();
+    let mut report = JobReport { clean: cleaned.report.clone(), patches: patches.len(), ..JobReport::default() };
     progress.stage("making the field", 0);
     (report.scale, report.ratio) = scale_of(&cleaned.mesh, job, &exemplars)?;
     let directed = !matches!(job.steer, Steer::Isotropic(_));
     report.estimate = Estimate::new(&Work::new(&cleaned.report, report.ratio, directed, &exemplars));
     allow(&report.estimate, cleaned.report.faces, job.memory)?;
-    let (fine, guide) = steer(&cleaned, job, &mut report)?;
+    let (fine, guide) = steer(cleaned, job, &mut report)?;
     let mesh = fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh);
     let difficulty = difficulty(mesh, &guide);
     report.prepare_seconds = begin.elapsed().as_secs_f64();
@@ -232,24 +294,7 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
     let (lapped, statistics) = paste(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
     report.warnings.extend(too_many_draws(&statistics));
     report.paste = statistics;
-
-    let out = Outgoing::new(model, &cleaned, fine.as_ref());
-    let record = Record {
-        field: guide.field().map(|f| out.per_face(&f.up)),
-        lapped: LappedTexture {
-            pastes: out.pastes(&lapped.pastes),
-            exemplars: lapped.exemplars.clone(),
-            patches: lapped.patches.clone(),
-            layers: Vec::new(),
-        },
-        model: out.model,
-        source_face: out.source_face,
-        generator: concat!("lapped ", env!("CARGO_PKG_VERSION")).to_owned(),
-        job: serde_json::Value::Null,
-        look: None,
-    };
-    let mesh = fine.map_or(cleaned.mesh, |f| f.mesh);
-    Ok(Pasted { record, mesh, lapped, guide, report })
+    Ok(Laid { fine, lapped, guide, report })
 }
 
 /// World length of one exemplar width, and the mesh's area in areas of the first exemplar.
@@ -277,8 +322,12 @@ pub(super) fn allow(estimate: &Estimate, faces: usize, memory: Option<f64>) -> R
     }
 }
 
-/// Exemplars with their colours extended under transparency, and the patches cut from them.
-pub(super) fn cut_patches(
+/// Exemplars with their colours extended under transparency, and the patches cut from them; what the user should know is added
+/// to `warnings`.
+///
+/// # Errors
+/// If an exemplar has no usable patch, or the feather is wider than it.
+pub fn cut_patches(
     inputs: Vec<ExemplarInput>,
     job: &PasteJob,
     warnings: &mut Vec<String>,

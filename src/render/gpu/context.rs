@@ -79,7 +79,11 @@ fn kind_name(kind: DeviceType) -> &'static str {
 /// Adapters that can run our shaders, best first.
 fn candidates(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     let without_display = wgpu::InstanceDescriptor::new_without_display_handle();
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..without_display });
+    usable(&wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..without_display }), backends)
+}
+
+/// The same of an instance that is there already.
+fn usable(instance: &wgpu::Instance, backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     let mut found = pollster::block_on(instance.enumerate_adapters(backends));
     let needed = wgpu::DownlevelFlags::VERTEX_STORAGE | wgpu::DownlevelFlags::FRAGMENT_STORAGE;
     found.retain(|adapter| adapter.get_downlevel_capabilities().flags.contains(needed));
@@ -163,6 +167,27 @@ impl Gpu {
     /// If there is no such adapter, or it gives no device.
     pub fn new(options: &GpuOptions) -> Result<Self, GpuError> {
         let found = if options.adapter.is_some() { candidates(wgpu::Backends::all()) } else { best_candidates() };
+        Ok(Self::among(&found, options)?.0)
+    }
+
+    /// Opens a device on the best adapter that can show a window's surface, or on the one asked for, and says which it is.
+    /// The surface must be one of the instance's.
+    ///
+    /// # Errors
+    /// As [`Gpu::new`].
+    pub fn showing(
+        options: &GpuOptions,
+        instance: &wgpu::Instance,
+        surface: &wgpu::Surface<'_>,
+    ) -> Result<(Self, wgpu::Adapter), GpuError> {
+        let mut found = usable(instance, wgpu::Backends::all());
+        found.retain(|adapter| adapter.is_surface_supported(surface));
+        let (gpu, place) = Self::among(&found, options)?;
+        Ok((gpu, found.swap_remove(place)))
+    }
+
+    /// Opens a device on one of the adapters found, best first, and says on which.
+    fn among(found: &[wgpu::Adapter], options: &GpuOptions) -> Result<(Self, usize), GpuError> {
         let summaries: Vec<AdapterSummary> = found.iter().map(AdapterSummary::of).collect();
         if found.is_empty() {
             return Err(GpuError::NoAdapter);
@@ -195,7 +220,7 @@ impl Gpu {
             let mut faults = faults.lock().unwrap_or_else(PoisonError::into_inner);
             faults.lost.get_or_insert_with(|| if message.is_empty() { format!("{reason:?}") } else { message });
         });
-        Ok(gpu)
+        Ok((gpu, place))
     }
 
     /// A device that somebody else has opened and whose errors they handle.

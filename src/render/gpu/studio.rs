@@ -15,8 +15,8 @@ use crate::render::camera::Camera;
 use crate::render::ground::GroundShadow;
 use crate::render::lens::Grid;
 use crate::render::picture::Picture;
-use crate::render::reference::{Background, Stage};
-use wgpu::CommandEncoder;
+use crate::render::reference::{Background, DrawOptions, Stage};
+use wgpu::{BindGroup, Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment, StoreOp, TextureView};
 
 /// Samples along the side of a tile: bounds the memory of a picture of any size.
 const TILE: u32 = 3072;
@@ -104,7 +104,7 @@ impl Renderer {
             pass.set_bind_group(0, &scene, &[]);
             subject.draw_faces(&mut pass);
         }
-        let full = |encoder: &mut CommandEncoder, onto: &Target, pipeline, group: &wgpu::BindGroup| {
+        let full = |encoder: &mut CommandEncoder, onto: &Target, pipeline, group: &BindGroup| {
             let mut pass = begin(encoder, "occlusion", &[onto.attach(Some(1.0))], None);
             pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &scene, &[]);
@@ -133,16 +133,39 @@ impl Renderer {
         let pixels = Target::new(&self.gpu, "pixels", size, PIXELS);
         let mut encoder = self.encoder();
         canvas.fill(self, &mut encoder, subject, &scene, openness);
-        let group = self.bind_views(&self.layouts.finish, &[&canvas.light, hidden]);
-        {
-            let mut pass = begin(&mut encoder, "finish", &[pixels.attach(Some(0.0))], None);
-            pass.set_pipeline(&self.pipelines.finish);
-            pass.set_bind_group(0, &scene, &[]);
-            pass.set_bind_group(3, &group, &[]);
-            pass.draw(0..3, 0..1);
-        }
+        self.finish(&mut encoder, &scene, canvas, hidden, &pixels.view);
         let back = ReadBack::new(&self.gpu, &mut encoder, &pixels.texture, size);
         self.gpu.queue.submit([encoder.finish()]);
         back.picture(&self.gpu)
+    }
+
+    /// Samples averaged to pixels over the background, onto a view.
+    fn finish(&self, encoder: &mut CommandEncoder, scene: &BindGroup, canvas: &Canvas, hidden: &Target, view: &TextureView) {
+        let group = self.bind_views(&self.layouts.finish, &[&canvas.light, hidden]);
+        let ops = Operations { load: LoadOp::Clear(Color::TRANSPARENT), store: StoreOp::Store };
+        let onto = RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops };
+        let mut pass = begin(encoder, "finish", &[Some(onto)], None);
+        pass.set_pipeline(&self.pipelines.finish);
+        pass.set_bind_group(0, scene, &[]);
+        pass.set_bind_group(3, &group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
+    /// A frame by way of a canvas, of as many samples a pixel as its size has, onto a view of the format `Rgba8Unorm` and of
+    /// `grid`'s pixels: sRGB with straight alpha. Nothing is darkened by its surroundings; no shadow lies on the ground.
+    #[allow(clippy::too_many_arguments, reason = "what is drawn, how, and onto what")]
+    pub fn frame_onto(
+        &self,
+        encoder: &mut CommandEncoder,
+        subject: &Subject,
+        camera: &Camera,
+        grid: Grid,
+        options: &DrawOptions,
+        canvas: &Canvas,
+        view: &TextureView,
+    ) {
+        let scene = self.scene(subject, &self.frame(subject, camera, grid, options));
+        canvas.fill(self, encoder, subject, &scene, &self.white);
+        self.finish(encoder, &scene, canvas, &self.white, view);
     }
 }

@@ -39,10 +39,23 @@ impl Renderer {
     /// # Errors
     /// If it does not fit the device, or the tints are not as many as the faces.
     pub fn load_tinted(&self, stage: &Stage<'_>, lapped: &LappedTexture, tints: Option<&[[Vec4; 3]]>) -> Result<Subject, GpuError> {
+        self.load_with(stage, lapped, tints, Arc::new(self.load_patches(&lapped.exemplars, &lapped.patches)?))
+    }
+
+    /// The same with exemplars and patches that are on the device already; those of the lapped texture are not looked at.
+    ///
+    /// # Errors
+    /// As [`Renderer::load_tinted`], or if there are fewer patches than the pastes name.
+    pub fn load_with(
+        &self,
+        stage: &Stage<'_>,
+        lapped: &LappedTexture,
+        tints: Option<&[[Vec4; 3]]>,
+        patches: Arc<PatchTextures>,
+    ) -> Result<Subject, GpuError> {
         if let Some(tints) = tints.filter(|t| t.len() != stage.mesh.face_count()) {
             return Err(GpuError::Tints { found: tints.len(), expected: stage.mesh.face_count() });
         }
-        let patches = Arc::new(self.load_patches(&lapped.exemplars, &lapped.patches)?);
         let shape = Shape::new(&self.gpu, stage.mesh)?;
         let lists = Lists::new(&self.gpu, &self.layouts.page, stage.mesh, stage.normals(), lapped, tints)?;
         let named = lapped.pastes.iter().map(|p| usize::from(p.patch) + 1).max().unwrap_or(0);

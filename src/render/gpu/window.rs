@@ -66,15 +66,26 @@ pub struct Window<'w> {
 
 impl<'w> Window<'w> {
     /// The surface of a window of `size` pixels, shown by the adapter that the device was opened on, in step with the screen.
+    /// `light`: what is drawn onto it is linear light, which its format encodes where there is one that does so; else it is
+    /// encoded already, as user interfaces are.
     ///
     /// # Errors
     /// If the adapter cannot show this surface.
-    pub fn new(surface: Surface<'w>, adapter: &wgpu::Adapter, device: &wgpu::Device, size: [u32; 2]) -> Result<Self, GpuError> {
+    pub fn new(
+        surface: Surface<'w>,
+        adapter: &wgpu::Adapter,
+        device: &wgpu::Device,
+        size: [u32; 2],
+        light: bool,
+    ) -> Result<Self, GpuError> {
         let config = surface.get_default_config(adapter, size[0].max(1), size[1].max(1));
         let mut config = config.ok_or_else(|| GpuError::Surface { adapter: adapter.get_info().name })?;
-        // Light is encoded by the format where there is one that does so.
         let formats = surface.get_capabilities(adapter).formats;
-        config.format = formats.iter().copied().find(TextureFormat::is_srgb).unwrap_or(config.format);
+        let fits = |format: &TextureFormat| match light {
+            true => format.is_srgb(),
+            false => matches!(format, TextureFormat::Rgba8Unorm | TextureFormat::Bgra8Unorm),
+        };
+        config.format = formats.iter().copied().find(fits).unwrap_or(config.format);
         config.present_mode = PresentMode::AutoVsync;
         Ok(Self { surface, config, size, longest: device.limits().max_texture_dimension_2d, stale: true })
     }

@@ -13,6 +13,7 @@ mod stretch;
 mod wireframe;
 
 pub use charts::ChartColors;
+pub use palette::distinct;
 
 use super::RenderError;
 use super::picture::Picture;

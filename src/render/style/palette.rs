@@ -37,7 +37,8 @@ pub(super) fn from_oklab(lab: Vec3) -> Vec3 {
 
 /// The colour of the n-th of any number of things: hues a golden angle apart, so that all that are near in number differ,
 /// and three lightnesses in turn. Linear light.
-pub(super) fn distinct(n: u32) -> Vec3 {
+#[must_use]
+pub fn distinct(n: u32) -> Vec3 {
     let turn = (f64::from(n) * 0.618_033_988_749_894_9).fract() * std::f64::consts::TAU;
     let lightness = 0.74 - 0.09 * (n % 3) as f32;
     let (sin, cos) = turn.sin_cos();

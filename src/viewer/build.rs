@@ -1,0 +1,214 @@
+//! From a project to what is shown of it: read, cut, steer, paste, and bring to the graphics device.
+//!
+//! Whatever did not change since the last time is taken from then: models and exemplars from the library, texture patches with
+//! their images on the device from the [`Kitchen`].
+
+use super::library::{Library, OpenError, OpenModel};
+use crate::exemplar::{Exemplar, TexturePatch};
+use crate::field::{Guide, TangentField};
+use crate::format::{FormatError, Record};
+use crate::job::project::ProjectExemplar;
+use crate::job::{JobError, JobReport, Laid, Project, cut_patches, lay};
+use crate::mesh::Mesh;
+use crate::paste::{LappedTexture, PasteError};
+use crate::progress::Progress;
+use crate::render::gpu::{GpuError, PatchTextures, Renderer, Subject};
+use crate::render::normals::{corner_normals, crease_angle};
+use crate::render::{DrawOptions, Stage};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+/// Why there is nothing new to show.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// Something cannot be opened.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// A mask cannot be read.
+    #[error(transparent)]
+    Mask(#[from] FormatError),
+    /// Pasting.
+    #[error(transparent)]
+    Job(#[from] JobError),
+    /// The graphics device.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+}
+
+impl BuildError {
+    /// True if it was stopped because something newer was wanted.
+    #[must_use]
+    pub const fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Job(JobError::Paste(PasteError::Cancelled)))
+    }
+}
+
+/// What is shown of a project.
+#[derive(Debug)]
+pub struct Shown {
+    /// The document's revision that it was made for.
+    pub revision: u64,
+    /// The project as it was then.
+    pub project: Project,
+    /// The model.
+    pub open: Arc<OpenModel>,
+    /// The pastes, if there are exemplars.
+    pub laid: Option<Laid>,
+    /// The same on the graphics device.
+    pub subject: Subject,
+    /// Smooth normals at the corners of the faces.
+    pub normals: Vec<[glam::Vec3; 3]>,
+    /// What the user should know, one sentence each.
+    pub told: Vec<String>,
+    /// Seconds that it took.
+    pub seconds: f64,
+}
+
+impl Shown {
+    /// The mesh that is drawn.
+    #[must_use]
+    pub fn mesh(&self) -> &Mesh {
+        self.laid.as_ref().map_or(&self.open.cleaned.mesh, |laid| laid.mesh(&self.open.cleaned))
+    }
+
+    /// The lapped texture on it: pasted, or what the model came with.
+    #[must_use]
+    pub fn lapped(&self) -> Option<&LappedTexture> {
+        self.laid.as_ref().map(|laid| &laid.lapped).or_else(|| self.open.own.as_ref().map(|own| &own.0))
+    }
+
+    /// The tangent field of the pastes.
+    #[must_use]
+    pub fn field(&self) -> Option<&TangentField> {
+        match &self.laid {
+            Some(laid) => laid.guide.field(),
+            None => self.open.own.as_ref().and_then(|own| own.1.as_ref()),
+        }
+    }
+
+    /// What steered the pastes.
+    #[must_use]
+    pub fn guide(&self) -> Option<Guide> {
+        match &self.laid {
+            Some(laid) => Some(laid.guide.clone()),
+            None => self.field().cloned().map(Guide::Directed),
+        }
+    }
+
+    /// Figures of pasting.
+    #[must_use]
+    pub fn report(&self) -> Option<&JobReport> {
+        self.laid.as_ref().map(|laid| &laid.report)
+    }
+
+    /// The model with its pastes, ready to be written.
+    #[must_use]
+    pub fn record(&self) -> Option<Record> {
+        let project = serde_json::to_value(&self.project).unwrap_or_default();
+        self.laid.as_ref().map(|laid| Record { job: project, ..laid.record(&self.open.model, &self.open.cleaned) })
+    }
+}
+
+/// What texture patches were cut by.
+#[derive(Debug, Clone, PartialEq)]
+struct Recipe {
+    exemplars: Vec<ProjectExemplar>,
+    feather: Option<f32>,
+    splotches: u32,
+    seed: u64,
+}
+
+/// Texture patches, ready.
+#[derive(Debug)]
+struct Cut {
+    recipe: Recipe,
+    exemplars: Vec<Exemplar>,
+    patches: Vec<TexturePatch>,
+    warnings: Vec<String>,
+    textures: Arc<PatchTextures>,
+}
+
+/// What is kept from one building to the next.
+#[derive(Debug, Default)]
+pub struct Kitchen {
+    cut: Mutex<Option<Arc<Cut>>>,
+}
+
+impl Kitchen {
+    fn cut(&self, project: &Project, library: &Library, renderer: &Renderer) -> Result<Arc<Cut>, BuildError> {
+        let recipe = Recipe {
+            exemplars: project.exemplars.clone(),
+            feather: project.feather,
+            splotches: project.splotches,
+            seed: project.seed,
+        };
+        let mut kept = self.cut.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(cut) = kept.as_ref().filter(|cut| cut.recipe == recipe) {
+            return Ok(Arc::clone(cut));
+        }
+        let mut warnings = Vec::new();
+        let mut inputs = Vec::new();
+        for wanted in &project.exemplars {
+            let read = library.exemplar(&wanted.link)?;
+            warnings.extend(read.told.iter().cloned());
+            inputs.push(wanted.input(read.exemplar.clone())?);
+        }
+        let first = inputs.first().map(|input| input.exemplar.clone());
+        let (exemplars, patches) = cut_patches(inputs, &project.job(first.as_ref()), &mut warnings)?;
+        let textures = Arc::new(renderer.load_patches(&exemplars, &patches)?);
+        warnings.extend(textures.warnings().iter().cloned());
+        let cut = Arc::new(Cut { recipe, exemplars, patches, warnings, textures });
+        *kept = Some(Arc::clone(&cut));
+        Ok(cut)
+    }
+}
+
+/// Builds what is to be shown of a project that has a model.
+///
+/// # Errors
+/// If anything it names cannot be read, it cannot be pasted, or does not fit the device.
+pub fn build(
+    project: &Project,
+    revision: u64,
+    kitchen: &Kitchen,
+    library: &Library,
+    renderer: &Renderer,
+    progress: &dyn Progress,
+) -> Result<Option<Shown>, BuildError> {
+    let begin = Instant::now();
+    let Some(link) = &project.model else { return Ok(None) };
+    progress.stage("reading the model", 0);
+    let open = library.model(link)?;
+    let mut told = open.model.source.notes.clone();
+    let mut textures = None;
+    let laid = if project.exemplars.is_empty() {
+        None
+    } else {
+        progress.stage("cutting texture patches", 0);
+        let cut = kitchen.cut(project, library, renderer)?;
+        let mut job = project.job(cut.exemplars.first());
+        job.memory = crate::job::available_memory();
+        let laid = lay(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress)?;
+        told.extend(cut.warnings.iter().chain(&laid.report.warnings).cloned());
+        textures = Some(Arc::clone(&cut.textures));
+        Some(laid)
+    };
+    progress.stage("preparing the picture", 0);
+    let mesh = laid.as_ref().map_or(&open.cleaned.mesh, |laid| laid.mesh(&open.cleaned));
+    let stage = Stage::new(mesh, &DrawOptions::default());
+    let nothing = LappedTexture::default();
+    let subject = match (&laid, textures) {
+        (Some(laid), Some(textures)) => renderer.load_with(&stage, &laid.lapped, None, textures)?,
+        _ => renderer.load(&stage, open.own.as_ref().map_or(&nothing, |own| &own.0))?,
+    };
+    let normals = stage.normals().to_vec();
+    let seconds = begin.elapsed().as_secs_f64();
+    Ok(Some(Shown { revision, project: project.clone(), open, laid, subject, normals, told, seconds }))
+}
+
+/// Smooth normals at the corners of a mesh, as pictures of it have them.
+#[must_use]
+pub fn smooth_normals(mesh: &Mesh) -> Vec<[glam::Vec3; 3]> {
+    corner_normals(mesh, crease_angle(mesh))
+}

@@ -1,0 +1,132 @@
+//! What a pane shows: ways of drawing the texture, and figures in colours.
+
+use crate::exemplar::srgb;
+use crate::render::{Background, Lighting};
+use glam::Vec3;
+
+/// What a pane shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub enum Mode {
+    /// The texture, each face drawn once.
+    #[default]
+    Single,
+    /// The texture, paste over paste.
+    Layered,
+    /// The texture, drawn by the processor as in pictures.
+    Reference,
+    /// Each paste in a colour of its own.
+    Pastes,
+    /// The mesh without texture.
+    Bare,
+}
+
+impl Mode {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 5] = [Self::Single, Self::Layered, Self::Reference, Self::Pastes, Self::Bare];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Single => "Single pass",
+            Self::Layered => "Layered",
+            Self::Reference => "Reference",
+            Self::Pastes => "Pastes",
+            Self::Bare => "Bare mesh",
+        }
+    }
+
+    /// What it is, for who does not know.
+    #[must_use]
+    pub const fn hint(self) -> &'static str {
+        match self {
+            Self::Single => "Each face is drawn once; its pastes are walked from the top down until nothing more shows",
+            Self::Layered => "The paper's runtime pasting: pastes one over another in paint order, alpha blended",
+            Self::Reference => {
+                "Drawn by the processor, every sample by itself, with shadows: as pictures are. Appears when the view is at rest"
+            }
+            Self::Pastes => "Each paste (one texture patch on one surface patch) in its own colour, with its alpha",
+            Self::Bare => "The mesh alone",
+        }
+    }
+}
+
+/// Light on the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Light {
+    /// Three soft lamps under a sky.
+    #[default]
+    Studio,
+    /// Little modelling: colours as they are.
+    Even,
+    /// From everywhere alike.
+    Flat,
+}
+
+impl Light {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Studio, Self::Even, Self::Flat];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Studio => "Studio",
+            Self::Even => "Even",
+            Self::Flat => "Flat",
+        }
+    }
+
+    /// The lamps.
+    #[must_use]
+    pub fn lighting(self) -> Lighting {
+        match self {
+            Self::Studio => Lighting::studio(),
+            Self::Even => Lighting::even(),
+            Self::Flat => Lighting::furnace(),
+        }
+    }
+}
+
+/// What is behind the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Backdrop {
+    /// As the interface's theme has it.
+    #[default]
+    Theme,
+    /// White.
+    White,
+    /// Middle grey.
+    Grey,
+    /// Black.
+    Black,
+}
+
+impl Backdrop {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Theme, Self::White, Self::Grey, Self::Black];
+
+    /// Its name.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Theme => "As the theme",
+            Self::White => "White",
+            Self::Grey => "Grey",
+            Self::Black => "Black",
+        }
+    }
+
+    /// The background of frames.
+    #[must_use]
+    pub fn background(self, dark: bool) -> Background {
+        let byte = match (self, dark) {
+            (Self::Theme, true) => 46.0,
+            (Self::Theme, false) => 226.0,
+            (Self::White, _) => 255.0,
+            (Self::Grey, _) => 128.0,
+            (Self::Black, _) => 0.0,
+        };
+        Background::Plain(Vec3::splat(srgb::decode(byte / 255.0)))
+    }
+}

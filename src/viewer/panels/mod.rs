@@ -1,0 +1,43 @@
+//! Panels around the view: what is chosen on the left, figures on the right, the menu above, what goes on below.
+
+mod dialogs;
+mod figures;
+mod gallery;
+mod menu;
+mod settings;
+mod status;
+
+use super::app::App;
+use egui::{CentralPanel, Frame, Panel, Ui};
+
+/// Width of the panels at the sides, points.
+const LEFT: f32 = 264.0;
+const RIGHT: f32 = 216.0;
+/// Narrower windows than this show no figures; narrower than the second, no settings either.
+const NARROW: [f32; 2] = [900.0, 560.0];
+
+/// The whole interface.
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
+    let width = ui.available_width();
+    Panel::top("menu").show(ui, |ui| menu::show(app, ui));
+    Panel::bottom("status").show(ui, |ui| status::show(app, ui));
+    if width >= NARROW[1] {
+        let left = Panel::left("settings").default_size(LEFT).size_range(220.0..=380.0).resizable(true);
+        left.show(ui, |ui| settings::show(app, ui));
+    }
+    if app.open_panels.figures && width >= NARROW[0] {
+        let right = Panel::right("figures").default_size(RIGHT).size_range(180.0..=320.0).resizable(true);
+        right.show(ui, |ui| figures::show(app, ui));
+    }
+    CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+        let empty = app.document.project().model.is_none();
+        if empty {
+            gallery::welcome(app, ui);
+        } else {
+            app.view(ui);
+            gallery::over_view(app, ui);
+        }
+        status::notices(app, ui);
+    });
+    dialogs::show(app, ui.ctx());
+}
