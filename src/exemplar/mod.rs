@@ -11,10 +11,12 @@ pub mod image;
 pub mod mask;
 pub mod outline;
 pub mod patch;
+pub mod snap;
 mod splotch;
 pub mod srgb;
 pub mod stack;
 pub mod symmetry;
+mod untangle;
 
 pub use coverage_mask::ERODED_RADII;
 pub use hull::Hull;
@@ -22,6 +24,8 @@ pub use image::{Image, MipChain};
 pub use mask::CoverageMask;
 pub use outline::Outline;
 pub use patch::{PatchOptions, PatchShape, PatchSource, PatchSpec, make_patches, opacity_is_outline};
+pub use snap::{Edges, Wire};
+pub use untangle::TOLERANCE as OUTLINE_TOLERANCE;
 
 use glam::Vec2;
 

@@ -9,7 +9,7 @@
 
 use super::collapse::{segments_touch, signed_area};
 use super::{ExemplarError, Image};
-use glam::{DVec2, Vec2};
+use glam::{DVec2, UVec2, Vec2};
 
 /// Shortest and smallest an outline may be, in pixels across: below it nothing opaque remains under any feather.
 const SMALLEST_OUTLINE: f64 = 4.0;
@@ -53,6 +53,14 @@ impl Outline {
             return Err(bad("has no points".to_owned()));
         }
         Ok(lists.into_iter().map(|points| Self { points: points.into_iter().map(Vec2::from_array).collect() }).collect())
+    }
+
+    /// Tells whether patches of an exemplar of that size can be cut along it.
+    ///
+    /// # Errors
+    /// [`ExemplarError::BadOutline`] with the reason why not.
+    pub fn check(&self, size: [u32; 2]) -> Result<(), ExemplarError> {
+        self.in_pixels(UVec2::from(size).as_vec2(), "drawn here").map(drop)
     }
 
     /// The corners in pixels of an exemplar of that size.
@@ -101,7 +109,7 @@ impl Outline {
 }
 
 /// The first two sides that touch without being neighbours, or neighbours that run back over each other.
-fn self_crossing(points: &[DVec2]) -> Option<[usize; 2]> {
+pub(super) fn self_crossing(points: &[DVec2]) -> Option<[usize; 2]> {
     let n = points.len();
     let side = |i: usize| [points[i], points[(i + 1) % n]];
     (0..n).find_map(|i| {

@@ -164,15 +164,30 @@ impl Constraints {
         axis: DVec3,
         scale: f64,
     ) -> Result<Vec<Anchor>, FieldError> {
+        let tree = self.constraints.iter().any(|c| c.position.is_some()).then(|| Nearest::new(mesh));
+        self.anchors_near(mesh, tree.as_ref(), user_faces, axis, scale)
+    }
+
+    /// [`Constraints::anchors`] where the tree over the mesh is there already; only positions need it.
+    ///
+    /// # Errors
+    /// The first constraint that cannot be used, and why.
+    pub fn anchors_near(
+        &self,
+        mesh: &Mesh,
+        tree: Option<&Nearest<'_>>,
+        user_faces: Option<&[UserFace]>,
+        axis: DVec3,
+        scale: f64,
+    ) -> Result<Vec<Anchor>, FieldError> {
         if !(self.base_weight.is_finite() && self.base_weight >= 0.0) {
             return Err(FieldError::BaseWeight(self.base_weight));
         }
         let axis = self.axis(axis);
         let unit = axis.try_normalize().filter(|u| u.is_finite()).ok_or(FieldError::Axis(axis))?;
-        // Only angles need the whole projected field, for its filled faces; only positions need the tree.
-        let wants = |test: fn(&Constraint) -> bool| self.constraints.iter().any(test);
-        let ups = if wants(|c| c.angle.is_some()) { super::up::directions(mesh, unit, scale)?.0 } else { Vec::new() };
-        let tree = wants(|c| c.position.is_some()).then(|| Nearest::new(mesh));
+        // Only angles need the whole projected field, for its filled faces.
+        let angles = self.constraints.iter().any(|c| c.angle.is_some());
+        let ups = if angles { super::up::directions(mesh, unit, scale)?.0 } else { Vec::new() };
         let (low, high) = mesh.bounds();
         let diagonal = low.as_dvec3().distance(high.as_dvec3());
         let spacing = (mesh.total_area() / self.constraints.len().max(1) as f64).sqrt();
@@ -190,7 +205,7 @@ struct Ground<'a> {
     mesh: &'a Mesh,
     user_faces: Option<&'a [UserFace]>,
     ups: Vec<Vec3>,
-    tree: Option<Nearest<'a>>,
+    tree: Option<&'a Nearest<'a>>,
     diagonal: f64,
     /// Extent of constraints that give none.
     extent: f64,
@@ -262,7 +277,7 @@ impl Constraint {
             }
             (None, Some(position)) => {
                 let value = DVec3::from(position);
-                let hit = ground.tree.as_ref().and_then(|tree| tree.nearest(value));
+                let hit = ground.tree.and_then(|tree| tree.nearest(value));
                 let hit = hit.ok_or(ConstraintProblem::Vector { name: "position", value })?;
                 Ok((hit.at, hit.distance))
             }

@@ -8,27 +8,35 @@
 //! * [`constrained()`] spreads anchors over the surface.
 //! * [`isotropic()`] and [`constrained_scale()`] give a scale alone, for exemplars that look the same every way.
 //! * [`nway`] makes fields of n directions a place, as smooth as can be, along curvature or creases if asked to.
+//! * [`stroke()`] makes constraints of combing over the surface; a [`Mirror`] repeats them on the other side of a plane.
+//! * [`streamlines()`] shows how a field runs.
 //! * [`singularities()`] are the vertices around which a field turns; [`refine_near_singularities()`] makes faces there finer.
 
 pub mod constrained;
 pub mod constraints;
 pub mod error;
 pub mod fill;
+pub mod mirror;
 pub mod nway;
 pub mod refine;
 pub mod singularities;
 pub mod spread;
 pub mod steady;
 pub mod store;
+pub mod streamlines;
+pub mod stroke;
 pub mod up;
 
 pub use constrained::{ConstrainedStatistics, FieldOptions, constrained, constrained_on, constrained_scale, isotropic};
 pub use constraints::{Anchor, Constraint, Constraints};
 pub use error::{ConstraintProblem, FieldError};
+pub use mirror::Mirror;
 pub use nway::{NWayField, NWayOptions, NWaySolver, NWayStatistics, comb};
 pub use refine::{RefineOptions, RefineStatistics, Refined, refine_near_singularities};
 pub use singularities::{Singularity, discontinuity, singularities};
 pub use spread::Carry;
+pub use streamlines::{Streamline, StreamlineOptions, streamlines};
+pub use stroke::{Comb, Dab, Wish, overrule, stroke};
 pub use up::{UpStatistics, up, up_on};
 
 use crate::mesh::Mesh;

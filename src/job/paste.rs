@@ -21,7 +21,7 @@ use crate::format::{Model, Record};
 use crate::mesh::curvature::curvature;
 use crate::mesh::subdivide::{Subdivision, cut_larger};
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, MeshError, clean};
-use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, paste};
+use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, Seeding, paste_with_seedings};
 use crate::progress::{Progress, Silent};
 use glam::DVec3;
 use serde::Serialize;
@@ -232,6 +232,8 @@ pub struct Laid {
     pub fine: Option<Subdivision>,
     /// The lapped texture on that mesh.
     pub lapped: LappedTexture,
+    /// Where each of its pastes began.
+    pub seedings: Vec<Seeding>,
     /// What steered it.
     pub guide: Guide,
     /// Figures.
@@ -291,10 +293,10 @@ pub fn lay(
     let difficulty = difficulty(mesh, &guide);
     report.prepare_seconds = begin.elapsed().as_secs_f64();
 
-    let (lapped, statistics) = paste(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
+    let (lapped, seedings, statistics) = paste_with_seedings(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
     report.warnings.extend(too_many_draws(&statistics));
     report.paste = statistics;
-    Ok(Laid { fine, lapped, guide, report })
+    Ok(Laid { fine, lapped, seedings, guide, report })
 }
 
 /// World length of one exemplar width, and the mesh's area in areas of the first exemplar.

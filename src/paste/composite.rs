@@ -77,7 +77,13 @@ impl<'a> Composite<'a> {
     /// Sorts the pastes by face.
     #[must_use]
     pub fn new(mesh: &'a Mesh, lapped: &'a LappedTexture) -> Self {
-        let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
+        Self::of_first(mesh, lapped, lapped.pastes.len())
+    }
+
+    /// The lowest `count` pastes alone, as if the others had not been laid yet.
+    #[must_use]
+    pub fn of_first(mesh: &'a Mesh, lapped: &'a LappedTexture, count: usize) -> Self {
+        let lists = FaceLists::new(mesh.face_count(), &lapped.pastes[..count.min(lapped.pastes.len())]);
         let channels = lapped.exemplars.iter().fold(ChannelSet::default(), |set, e| set.union(e.channels()));
         let ends = |end: &mut u32, layer: &Layer| {
             *end += layer.pastes;

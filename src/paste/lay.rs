@@ -60,16 +60,38 @@ impl Laid {
     }
 }
 
+/// Looks on while a patch is laid.
+pub trait Witness {
+    /// Faces have joined, one after the other at the end of the disc; where they lie they stayed while others joined.
+    fn grown(&mut self, _disc: &Disc) {}
+    /// A fit has moved the disc.
+    fn fitted(&mut self, _disc: &Disc) {}
+    /// What was laid so far is stretched too much: it begins again from the seed.
+    fn again(&mut self) {}
+}
+
+/// Nobody.
+impl Witness for () {}
+
 /// Lays a texture patch at a site, turned by `angle` where the guide is isotropic. `None` if the field has no usable
 /// basis at the seed.
 #[must_use]
 pub fn lay(site: Site, angle: f64, choice: FitChoice, scratch: &mut Scratch) -> Option<Laid> {
-    match lay_evenly(site, EVEN_OUT, angle, choice, scratch)? {
+    lay_before(site, angle, choice, scratch, &mut ())
+}
+
+/// [`lay`] with a witness.
+#[must_use]
+pub fn lay_before(site: Site, angle: f64, choice: FitChoice, scratch: &mut Scratch, witness: &mut impl Witness) -> Option<Laid> {
+    match lay_evenly(site, EVEN_OUT, angle, choice, scratch, witness)? {
         Outcome::Laid(laid) => Some(*laid),
-        Outcome::Stretched { iterations: spent } => match lay_evenly(site, 0.0, angle, choice, scratch)? {
-            Outcome::Laid(laid) => Some(Laid { iterations: laid.iterations + spent, ..*laid }),
-            Outcome::Stretched { .. } => None,
-        },
+        Outcome::Stretched { iterations: spent } => {
+            witness.again();
+            match lay_evenly(site, 0.0, angle, choice, scratch, witness)? {
+                Outcome::Laid(laid) => Some(Laid { iterations: laid.iterations + spent, ..*laid }),
+                Outcome::Stretched { .. } => None,
+            }
+        }
     }
 }
 
@@ -91,10 +113,18 @@ fn bad_share(mesh: &Mesh, disc: &Disc, frames: &[Frame]) -> f64 {
     bad / all
 }
 
-fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch: &mut Scratch) -> Option<Outcome> {
+fn lay_evenly(
+    site: Site,
+    even_out: f64,
+    angle: f64,
+    choice: FitChoice,
+    scratch: &mut Scratch,
+    witness: &mut impl Witness,
+) -> Option<Outcome> {
     let (mut rule, uv) = PasteRule::new(site, even_out, angle)?;
     let mut grower = Grower::new(site.mesh, scratch, site.seed.face, uv);
     grower.grow(&mut rule);
+    witness.grown(grower.disc());
     let isotropic = matches!(site.guide, Guide::Isotropic { .. }).then_some(choice.isotropic);
     let fitter = |grower: &Grower, rule: &PasteRule| {
         let (disc, frames) = (grower.disc(), rule.frames());
@@ -105,6 +135,7 @@ fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch:
         let mut fit = fitter(&grower, &rule);
         let draft = fit.draft(grower.disc());
         place(&mut grower, draft, site.seed);
+        witness.fitted(grower.disc());
         // Seen as soon as the first draft: what it stretches the last fit stretches too.
         if rule.evened() && bad_share(site.mesh, grower.disc(), rule.frames()) > MAX_BAD_AREA {
             return Some(Outcome::Stretched { iterations: iterations + fit.iterations() });
@@ -113,6 +144,7 @@ fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch:
         let joined = if regrowths < REGROWTHS { grower.grow(&mut rule) } else { 0 };
         let few = joined as f64 <= FEW * grower.disc().faces.len() as f64;
         if joined > 0 {
+            witness.grown(grower.disc());
             iterations += fit.iterations();
             regrowths += 1;
             if !few {
@@ -122,6 +154,7 @@ fn lay_evenly(site: Site, even_out: f64, angle: f64, choice: FitChoice, scratch:
         }
         let fitted = fit.finish(grower.disc());
         place(&mut grower, fitted, site.seed);
+        witness.fitted(grower.disc());
         iterations += fit.iterations();
         break;
     }

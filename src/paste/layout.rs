@@ -80,11 +80,26 @@ pub struct LayoutInput<'a> {
     pub drawer: Option<&'a dyn CoverageDrawer>,
 }
 
+/// Where a paste began: all that laying it again takes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seeding {
+    /// Its place in the order in which pastes were laid.
+    pub laid: u32,
+    /// Which texture patch.
+    pub patch: u16,
+    /// Where its centre went.
+    pub at: SurfacePoint,
+    /// The turn of the texture where the guide leaves it open, radians.
+    pub angle: f64,
+}
+
 /// Pastes in the order laid, and what is known of each.
 #[derive(Debug, Default)]
 pub struct Layout {
     /// The pastes.
     pub pastes: Vec<Paste>,
+    /// Where each began.
+    pub seedings: Vec<Seeding>,
     /// Hard edges of each.
     pub edges: Vec<Vec<HardEdge>>,
     /// Totals over all pastes.
@@ -439,6 +454,8 @@ impl<'a> Loop<'a> {
         totals.spread.merge(&candidate.spread);
         totals.lay_seconds += candidate.seconds[0];
         totals.cover_seconds += candidate.seconds[1];
+        let laid = self.layout.pastes.len() as u32;
+        self.layout.seedings.push(Seeding { laid, patch: order.patch, at: order.seed, angle: order.angle });
         self.layout.pastes.push(candidate.paste);
         self.layout.edges.push(candidate.edges);
     }

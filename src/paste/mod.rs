@@ -22,6 +22,7 @@ pub mod order;
 mod relief;
 pub mod seed;
 pub mod statistics;
+pub mod watch;
 pub mod window;
 
 pub use composite::Composite;
@@ -29,7 +30,9 @@ pub use coverage_backend::{Coverage, CoverageBackend};
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};
 pub use lapped::{FaceLists, LappedTexture, Layer, Paste};
+pub use layout::Seeding;
 pub use statistics::SpreadSummary;
+pub use watch::Growth;
 
 use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::Guide;
@@ -108,6 +111,19 @@ impl Default for PasteOptions {
             windows: true,
             coverage: Coverage::default(),
         }
+    }
+}
+
+impl PasteOptions {
+    /// The distortion bound that holds for a guide.
+    #[must_use]
+    pub fn distortion_for(&self, guide: &Guide) -> f64 {
+        let usual = if matches!(guide, Guide::Isotropic { .. }) { DISTORTION_ISOTROPIC } else { DISTORTION_DIRECTED };
+        self.distortion.unwrap_or(usual)
+    }
+
+    fn fit(&self) -> lay::FitChoice {
+        lay::FitChoice { weights: self.weights, isotropic: self.isotropic_fit }
     }
 }
 
@@ -256,6 +272,23 @@ pub fn paste(
     options: &PasteOptions,
     progress: &dyn Progress,
 ) -> Result<(LappedTexture, PasteStatistics), PasteError> {
+    let (lapped, _, statistics) = paste_with_seedings(mesh, guide, exemplars, patches, difficulty, options, progress)?;
+    Ok((lapped, statistics))
+}
+
+/// [`paste`], and where each paste of the result began, so that its growth can be looked at ([`watch`]).
+///
+/// # Errors
+/// As [`paste`].
+pub fn paste_with_seedings(
+    mesh: &Mesh,
+    guide: &Guide,
+    exemplars: Vec<Exemplar>,
+    patches: Vec<TexturePatch>,
+    difficulty: &[f32],
+    options: &PasteOptions,
+    progress: &dyn Progress,
+) -> Result<(LappedTexture, Vec<Seeding>, PasteStatistics), PasteError> {
     let begin = Instant::now();
     check(mesh, guide, &patches, options)?;
     let width = |p: &TexturePatch| exemplars[p.exemplar as usize].size()[0];
@@ -267,7 +300,6 @@ pub fn paste(
     check_size(mesh, guide, &texel, &patches, &plans, texels)?;
     let pitch: Vec<f32> = texel.iter().map(|t| t * CELL_TEXELS as f32).collect();
     let none = vec![0.0; if difficulty.is_empty() { mesh.face_count() } else { 0 }];
-    let isotropic = matches!(guide, Guide::Isotropic { .. });
     let drawer = options.coverage.0.as_ref().map(|b| b.prepare(&masks)).transpose().map_err(PasteError::Coverage)?;
     let mut work = Loop::new(LayoutInput {
         mesh,
@@ -277,9 +309,9 @@ pub fn paste(
         masks: &masks,
         pitch: &pitch,
         difficulty: if difficulty.is_empty() { &none } else { difficulty },
-        distortion: options.distortion.unwrap_or(if isotropic { DISTORTION_ISOTROPIC } else { DISTORTION_DIRECTED }),
+        distortion: options.distortion_for(guide),
         predictor: options.predictor,
-        fit: lay::FitChoice { weights: options.weights, isotropic: options.isotropic_fit },
+        fit: options.fit(),
         seed: options.seed,
         drawer: drawer.as_deref(),
     });
@@ -306,13 +338,14 @@ pub fn paste(
 
     let start = Instant::now();
     progress.stage("ordering and culling", 0);
-    let Layout { mut pastes, mut edges, totals } = work.finish();
+    let Layout { mut pastes, mut seedings, mut edges, totals } = work.finish();
     statistics.pastes_laid = pastes.len();
     statistics.draws_before_cull = draws(mesh, &pastes).0;
     if options.hide_hard_edges {
         let order = order::by_hard_edges(&edges);
         pastes = permute(pastes, &order);
         edges = permute(edges, &order);
+        seedings = permute(seedings, &order);
     }
     let mut lapped = LappedTexture { exemplars, patches, pastes, layers: Vec::new() };
     // Before culling: what lies hidden below tells how the texture goes on.
@@ -322,6 +355,7 @@ pub fn paste(
     }
     let left = order::cull(mesh, &mut lapped, &masks, &|f| f64::from(pitch[f as usize]), options.cull);
     edges = permute(edges, &left);
+    seedings = permute(seedings, &left);
     let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
     statistics.visible_hard_edge_length = order::visible_length(&lapped, &lists, &edges);
     statistics.hard_edge_length = edges.iter().flatten().map(|e| f64::from(e.weight)).sum();
@@ -343,7 +377,7 @@ pub fn paste(
     statistics.seconds.lay = totals.lay_seconds;
     statistics.seconds.cover = totals.cover_seconds;
     statistics.seconds.total = begin.elapsed().as_secs_f64();
-    Ok((lapped, statistics))
+    Ok((lapped, seedings, statistics))
 }
 
 fn permute<T>(items: Vec<T>, order: &[u32]) -> Vec<T> {
