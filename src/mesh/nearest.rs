@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::{Boundable, BvhBuildParams};
+use std::borrow::Cow;
 use std::time::Duration;
 
 /// A point of the surface found by a query.
@@ -20,10 +21,16 @@ pub struct Hit {
     pub distance: f64,
 }
 
-/// The hierarchy over one mesh.
+/// A mesh with its hierarchy, to be asked.
 #[derive(Debug, Clone)]
 pub struct Nearest<'m> {
     mesh: &'m Mesh,
+    tree: Cow<'m, Tree>,
+}
+
+/// The hierarchy over the faces of one mesh, to be kept beside it.
+#[derive(Debug, Clone)]
+pub struct Tree {
     nodes: Vec<Node>,
     /// Faces in the order of the leaves.
     faces: Vec<u32>,
@@ -47,10 +54,10 @@ impl Boundable for FaceBox {
     }
 }
 
-impl<'m> Nearest<'m> {
+impl Tree {
     /// Builds the hierarchy; n log n.
     #[must_use]
-    pub fn new(mesh: &'m Mesh) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         let (low, high) = mesh.bounds();
         let middle = (low.as_dvec3() + high.as_dvec3()) / 2.0;
         let size = (high.as_dvec3() - low.as_dvec3()).max_element().max(f64::MIN_POSITIVE);
@@ -67,13 +74,13 @@ impl<'m> Nearest<'m> {
             first: n.first_index,
             count: n.prim_count,
         });
-        let mut built = Self { mesh, nodes: nodes.collect(), faces: tree.primitive_indices };
-        built.fit_boxes();
+        let mut built = Self { nodes: nodes.collect(), faces: tree.primitive_indices };
+        built.fit_boxes(mesh);
         built
     }
 
     /// Boxes from the mesh's own positions, children before parents.
-    fn fit_boxes(&mut self) {
+    fn fit_boxes(&mut self, mesh: &Mesh) {
         let mut order = vec![0_u32];
         let mut at = 0;
         while at < order.len() {
@@ -93,9 +100,9 @@ impl<'m> Nearest<'m> {
                 }
             }
             for &f in self.leaf(node) {
-                for v in self.mesh.faces[f as usize] {
-                    low = low.min(self.mesh.positions[v as usize]);
-                    high = high.max(self.mesh.positions[v as usize]);
+                for v in mesh.faces[f as usize] {
+                    low = low.min(mesh.positions[v as usize]);
+                    high = high.max(mesh.positions[v as usize]);
                 }
             }
             self.nodes[n as usize] = Node { low, high, ..node };
@@ -105,6 +112,20 @@ impl<'m> Nearest<'m> {
     fn leaf(&self, node: Node) -> &[u32] {
         // An inner node's `first` counts nodes, of which there are more than faces.
         if node.count == 0 { &[] } else { &self.faces[node.first as usize..][..node.count as usize] }
+    }
+}
+
+impl<'m> Nearest<'m> {
+    /// Builds the hierarchy; n log n.
+    #[must_use]
+    pub fn new(mesh: &'m Mesh) -> Self {
+        Self { mesh, tree: Cow::Owned(Tree::new(mesh)) }
+    }
+
+    /// With the hierarchy that was built over this mesh before.
+    #[must_use]
+    pub const fn over(mesh: &'m Mesh, tree: &'m Tree) -> Self {
+        Self { mesh, tree: Cow::Borrowed(tree) }
     }
 
     /// The surface point nearest to a point; `None` only if the point is not finite.
@@ -165,22 +186,23 @@ impl<'m> Nearest<'m> {
     ) -> Option<(f64, SurfacePoint)> {
         let mut best: Option<(f64, u32, DVec3)> = None;
         let mut stack = Vec::with_capacity(64);
-        stack.push((to_box(&self.nodes[0]), 0_u32));
+        let nodes = &self.tree.nodes;
+        stack.push((to_box(&nodes[0]), 0_u32));
         while let Some((least, n)) = stack.pop() {
             // Equal measures are looked at too: the first face must win whatever the tree looks like.
             if least > best.map_or(bound, |b| b.0) || least == f64::INFINITY {
                 continue;
             }
-            let node = self.nodes[n as usize];
+            let node = nodes[n as usize];
             if node.count == 0 {
-                let mut pair = [node.first, node.first + 1].map(|c| (to_box(&self.nodes[c as usize]), c));
+                let mut pair = [node.first, node.first + 1].map(|c| (to_box(&nodes[c as usize]), c));
                 if pair[0].0 < pair[1].0 {
                     pair.swap(0, 1);
                 }
                 stack.extend(pair);
                 continue;
             }
-            for &face in self.leaf(node) {
+            for &face in self.tree.leaf(node) {
                 if let Some((measure, bary)) = to_face(face) {
                     let better = best.is_none_or(|b| (measure, face) < (b.0, b.1));
                     if measure <= bound && better {

@@ -20,6 +20,9 @@ pub enum Action {
     Turntable,
     Split,
     NextMode,
+    Comb,
+    Cut,
+    Watch,
     Reload,
     Stop,
     Theme,
@@ -33,7 +36,7 @@ const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Action {
     /// All deeds, in the order of the help sheet.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 23] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -47,6 +50,9 @@ impl Action {
         Self::Turntable,
         Self::Split,
         Self::NextMode,
+        Self::Comb,
+        Self::Cut,
+        Self::Watch,
         Self::Reload,
         Self::Stop,
         Self::Gallery,
@@ -86,6 +92,9 @@ impl Action {
             Self::Turntable => ("Turntable", key(NONE, Key::T), "Let the model go around"),
             Self::Split => ("Split view", key(NONE, Key::V), "Compare two modes; drag the line between them"),
             Self::NextMode => ("Next mode", key(NONE, Key::M), "Show the next mode in the left pane"),
+            Self::Comb => ("Comb", key(NONE, Key::C), "Drag over the model to set which way the texture lies"),
+            Self::Cut => ("Cut patches", key(NONE, Key::X), "Draw outlines of texture patches on the exemplar"),
+            Self::Watch => ("Watch", key(NONE, Key::W), "See pastes laid one by one, and how one of them grows"),
             Self::Reload => ("Reload files", key(COMMAND, Key::R), "Read model and exemplars again"),
             Self::Stop => ("Stop", key(NONE, Key::Escape), "Stop the work that goes on"),
             Self::Theme => ("Light or dark", key(NONE, Key::L), "Change between the light and the dark theme"),

@@ -2,6 +2,7 @@
 
 use super::action::Action;
 use super::build::{BuildError, Kitchen, Shown, build};
+use super::cut::room::{CutRoom, Wanted};
 use super::deeds::{Done, Still};
 use super::document::Document;
 use super::gallery::Thumbnails;
@@ -11,8 +12,10 @@ use super::library::Library;
 use super::mode::Mode;
 use super::panels;
 use super::side::Side;
+use super::steer::room::{SteerRoom, put};
 use super::trace::Trace;
 use super::viewport::{Given, Viewport};
+use super::watch::room::WatchRoom;
 use super::worker::Lane;
 use crate::job::Project;
 use egui::{Context, Ui};
@@ -67,6 +70,12 @@ pub struct App {
     pub question: Option<Question>,
     /// Panels that can be closed.
     pub open_panels: OpenPanels,
+    /// Combing.
+    pub steer: SteerRoom,
+    /// Outlines being cut.
+    pub cut: Option<CutRoom>,
+    /// Pastes being watched.
+    pub watch: Option<WatchRoom>,
     pub(super) graphics: Graphics,
     pub(super) library: Arc<Library>,
     pub(super) settings: Settings,
@@ -121,6 +130,9 @@ impl App {
             viewport: Viewport::default(),
             notices: Vec::new(),
             question,
+            steer: SteerRoom::new(wake()),
+            cut: None,
+            watch: None,
             open_panels: OpenPanels { gallery: true, figures: true, help: false },
             library: Arc::default(),
             settings,
@@ -163,7 +175,8 @@ impl App {
     pub fn is_idle(&self) -> bool {
         let built = self.asked == self.document.revision() && self.builds.meter().is_none();
         let files = [&self.opens, &self.saves, &self.exports].into_iter().all(|lane| lane.meter().is_none());
-        built && files && self.side.is_idle()
+        let watched = self.watch.as_ref().is_none_or(WatchRoom::is_idle);
+        built && files && watched && self.side.is_idle()
     }
 
     /// True once the window is to be closed.
@@ -254,6 +267,7 @@ impl App {
             Action::SaveAs => self.ask_where_to_save(),
             Action::ExportPicture | Action::ExportRecord | Action::ExportBaked => self.ask_where_to_export(action),
             Action::Quit => self.ask_to_quit(),
+            Action::Undo if self.cut.as_mut().is_some_and(CutRoom::back) => {}
             Action::Undo => self.step(Document::undo),
             Action::Redo => self.step(Document::redo),
             Action::Frame => {
@@ -267,6 +281,12 @@ impl App {
                 let place = Mode::ALL.iter().position(|m| *m == self.viewport.modes[0]).unwrap_or(0);
                 self.viewport.modes[0] = Mode::ALL[(place + 1) % Mode::ALL.len()];
             }
+            Action::Comb => {
+                self.steer.on = !self.steer.on;
+                self.watch = None;
+            }
+            Action::Cut => self.toggle_cutting(context),
+            Action::Watch => self.toggle_watching(context),
             Action::Reload => {
                 self.library.forget();
                 self.kitchen = Arc::default();
@@ -320,6 +340,7 @@ impl App {
             }
         }
         self.take_drops(ui.ctx());
+        self.follow(ui);
         panels::show(self, ui);
         if !ui.input(|i| i.pointer.any_down()) && !typing {
             self.document.end_gesture();
@@ -341,19 +362,120 @@ impl App {
                 None => self.viewport.frame(shown.mesh()),
             }
         }
+        let pointed = shown.as_ref().map(|shown| self.steer.point(ui, &self.viewport, shown)).unwrap_or_default();
+        if let Some(edit) = &pointed.edit {
+            self.edit(edit.what, |project| put(project, edit));
+        }
+        let watched = self.watch.as_ref().and_then(WatchRoom::subject);
         let (side, still) = (&self.side, &self.still);
         let wanted = Still::wanted(&self.viewport, ui.visuals().dark_mode, shown.as_deref());
         let given = |mode: Mode| {
             let (own, number) = shown.as_ref().map_or((None, 0), |s| (Some(&s.subject), s.revision));
             let still = (mode == Mode::Reference).then(|| still.picture(wanted.as_ref())).flatten();
+            // Numbers of partial subjects must not be those of revisions.
+            if let Some((subject, number)) = watched.filter(|_| matches!(mode, Mode::Single | Mode::Layered)) {
+                return Given { subject: Some(subject), still: None, number: u64::MAX - number };
+            }
             match mode {
                 Mode::Single | Mode::Layered | Mode::Reference => Given { subject: own, still, number },
                 Mode::Pastes | Mode::Bare => Given { subject: side.subject(mode), still, number: side.number(mode) },
             }
         };
-        let seen = self.viewport.show(ui, &self.graphics, bounds, false, given);
+        let seen = self.viewport.show(ui, &self.graphics, bounds, pointed.held, given);
         if let Some(error) = seen.error {
             self.tell(error.to_string(), true);
+        }
+        if let Some(shown) = &shown {
+            self.steer.paint(ui, &self.viewport, shown);
+            self.watch_view(ui, shown, &seen.response);
+        }
+    }
+
+    /// What watching does with the view.
+    fn watch_view(&mut self, ui: &Ui, shown: &Shown, view: &egui::Response) {
+        let Some(watch) = &mut self.watch else { return };
+        if let Some(at) = view.interact_pointer_pos().filter(|_| view.clicked()) {
+            watch.click(self.steer.pick(shown, &self.viewport, at));
+        }
+        watch.paint(ui, &self.viewport);
+    }
+
+    /// The panel of watching.
+    pub(super) fn watching(&mut self, ui: &mut Ui) {
+        if let Some(watch) = &mut self.watch {
+            watch.show(ui);
+        }
+    }
+
+    /// The comb's panel.
+    pub(super) fn combing(&mut self, ui: &mut Ui) {
+        let shown = self.shown.clone().filter(|shown| self.steer.ready(shown));
+        let edit = match &shown {
+            Some(shown) => self.steer.with(shown, |combing, ground| super::steer::panel::show(ui, combing, Some(ground))).flatten(),
+            None => super::steer::panel::show(ui, &mut self.steer.combing, None),
+        };
+        if let Some(edit) = edit {
+            self.edit(edit.what, |project| put(project, &edit));
+        }
+    }
+
+    /// The editor of outlines, in all the room there is.
+    pub(super) fn cutting(&mut self, ui: &mut Ui) {
+        let Some(mut room) = self.cut.take() else { return };
+        let project = self.document.project();
+        let Some(exemplar) = project.exemplars.get(room.index).filter(|e| room.is_of(&e.link)) else { return };
+        room.follow(&exemplar.shapes);
+        let (index, feather) = (room.index, project.feather);
+        match room.show(ui, feather) {
+            Some(Wanted::Close) => return,
+            Some(Wanted::Shapes(shapes)) => {
+                self.edit("outline", |p| p.exemplars[index].shapes = shapes);
+                self.document.end_gesture();
+            }
+            None => {}
+        }
+        self.cut = Some(room);
+    }
+
+    fn toggle_cutting(&mut self, context: &Context) {
+        if self.cut.take().is_some() {
+            return;
+        }
+        let first = self.document.project().exemplars.first().cloned();
+        let read = first.as_ref().and_then(|e| self.library.known(&e.link));
+        match (first, read) {
+            (Some(exemplar), Some(read)) => {
+                self.cut = Some(CutRoom::new(0, &exemplar, read, waker(context)));
+            }
+            _ => self.tell("there is no exemplar to cut patches from yet: choose one first", false),
+        }
+    }
+
+    fn toggle_watching(&mut self, context: &Context) {
+        if self.watch.take().is_some() {
+            return;
+        }
+        self.steer.on = false;
+        self.watch = self.shown.clone().and_then(|shown| WatchRoom::new(shown, waker(context)));
+        if self.watch.is_none() {
+            self.tell("there are no pastes to watch yet: choose a model and an exemplar first", false);
+        }
+    }
+
+    /// Keeps the rooms at what is shown.
+    fn follow(&mut self, ui: &Ui) {
+        let Some(shown) = self.shown.clone() else {
+            self.watch = None;
+            return;
+        };
+        if let Err(trouble) = self.steer.follow(&shown, self.document.project()) {
+            self.tell(trouble, true);
+        }
+        if self.watch.as_ref().is_some_and(|watch| !watch.is_of(&shown)) {
+            self.watch = WatchRoom::new(Arc::clone(&shown), waker(ui.ctx()));
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.follow(ui, &self.graphics.renderer);
         }
     }
 
@@ -438,4 +560,10 @@ impl App {
         self.ui(ui);
         self.trace.frame(begin.elapsed());
     }
+}
+
+/// Asks for a frame.
+fn waker(context: &Context) -> impl Fn() + Clone + Send + Sync + 'static {
+    let context = context.clone();
+    move || context.request_repaint()
 }

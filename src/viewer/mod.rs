@@ -12,6 +12,7 @@
 pub mod action;
 pub mod app;
 pub mod build;
+pub mod cut;
 pub mod deeds;
 pub mod document;
 pub mod gallery;
@@ -22,9 +23,11 @@ pub mod mode;
 pub mod orbit;
 mod panels;
 pub mod side;
+pub mod steer;
 pub mod theme;
 pub mod trace;
 pub mod viewport;
+pub mod watch;
 pub mod window;
 pub mod worker;
 

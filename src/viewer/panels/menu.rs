@@ -44,8 +44,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             item(ui, Action::Stop, app.work().is_some(), &mut asked);
         });
         ui.menu_button("View", |ui| {
-            use Action::{Figures, Frame, Gallery, NextMode, Split, Theme, Turntable};
+            use Action::{Comb, Cut, Figures, Frame, Gallery, NextMode, Split, Theme, Turntable, Watch};
             [Frame, Turntable, Split, NextMode].into_iter().for_each(|a| item(ui, a, true, &mut asked));
+            ui.separator();
+            [Comb, Cut, Watch].into_iter().for_each(|a| item(ui, a, app.shown.is_some(), &mut asked));
             ui.separator();
             ui.menu_button("Light", |ui| {
                 for light in Light::ALL {
@@ -66,6 +68,14 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         for pane in 0..1 + usize::from(split) {
             mode(ui, pane, split, &mut app.viewport.modes[pane]);
         }
+        ui.separator();
+        let tools = [(Action::Comb, app.steer.on), (Action::Cut, app.cut.is_some()), (Action::Watch, app.watch.is_some())];
+        for (action, on) in tools {
+            if ui.selectable_label(on, action.name()).on_hover_text(hint(action)).clicked() {
+                asked = Some(action);
+            }
+        }
+        ui.separator();
         if ui.selectable_label(split, "Split").on_hover_text(hint(Action::Split)).clicked() {
             asked = Some(Action::Split);
         }

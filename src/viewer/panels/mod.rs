@@ -13,6 +13,7 @@ use egui::{CentralPanel, Frame, Panel, Ui};
 /// Width of the panels at the sides, points.
 const LEFT: f32 = 264.0;
 const RIGHT: f32 = 216.0;
+const WATCH: f32 = 280.0;
 /// Narrower windows than this show no figures; narrower than the second, no settings either.
 const NARROW: [f32; 2] = [900.0, 560.0];
 
@@ -31,6 +32,15 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
     }
     CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
         let empty = app.document.project().model.is_none();
+        if app.cut.is_some() {
+            let half = 0.5 * ui.available_width();
+            let editor = Panel::left("cut").default_size(half).size_range(0.25 * half..=1.6 * half).resizable(true);
+            editor.show(ui, |ui| app.cutting(ui));
+        }
+        if app.watch.is_some() && width >= NARROW[1] {
+            let beside = Panel::right("watch").default_size(WATCH).size_range(200.0..=480.0).resizable(true);
+            beside.show(ui, |ui| app.watching(ui));
+        }
         if empty {
             gallery::welcome(app, ui);
         } else {

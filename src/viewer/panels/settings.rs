@@ -21,6 +21,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         exemplars(app, ui);
         size(app, ui);
         direction(app, ui);
+        if app.steer.on {
+            heading(ui, "Comb");
+            app.combing(ui);
+        }
         patches(app, ui);
     });
 }
