@@ -5,3 +5,5 @@
 
 mod common;
 mod panels;
+mod steer;
+mod walk;

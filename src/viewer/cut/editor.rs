@@ -26,12 +26,20 @@ pub struct Zoom {
     scale: f32,
     /// The pixel in the middle.
     middle: Vec2,
+    /// Where the editor is in the window.
+    room: Option<Rect>,
 }
 
 impl Zoom {
     /// Shows all of it again.
     pub fn fit(&mut self) {
         *self = Self::default();
+    }
+
+    /// Where a pixel of the exemplar is in the window, once that was shown.
+    #[must_use]
+    pub fn place(&self, pixel: glam::Vec2) -> Option<Pos2> {
+        self.room.map(|room| room.center() + (vec2(pixel.x, pixel.y) - self.middle) * self.scale)
     }
 }
 
@@ -51,6 +59,7 @@ pub fn show(ui: &mut Ui, cutter: &mut Cutter, zoom: &mut Zoom, canvas: &Canvas) 
     let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let size = vec2(canvas.size[0] as f32, canvas.size[1] as f32);
     look(ui, zoom, &response, size);
+    zoom.room = Some(rect);
     let scale = zoom.scale;
     let origin = rect.center() - zoom.middle * scale;
     let to_screen = |p: glam::Vec2| origin + vec2(p.x, p.y) * scale;
@@ -106,7 +115,7 @@ fn look(ui: &Ui, zoom: &mut Zoom, response: &egui::Response, size: Vec2) {
     let room = (response.rect.size() - Vec2::splat(2.0 * MARGIN)).max(Vec2::splat(1.0));
     let fit = (room / size.max(Vec2::splat(1.0))).min_elem();
     if zoom.scale == 0.0 {
-        *zoom = Zoom { scale: fit, middle: 0.5 * size };
+        (zoom.scale, zoom.middle) = (fit, 0.5 * size);
     }
     if response.dragged_by(PointerButton::Middle) || response.dragged_by(PointerButton::Secondary) {
         zoom.middle -= response.drag_delta() / zoom.scale;

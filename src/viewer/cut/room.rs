@@ -103,6 +103,12 @@ impl CutRoom {
         self.read.link == *link
     }
 
+    /// Where a pixel of the exemplar is in the window, once it was shown there.
+    #[must_use]
+    pub fn place(&self, pixel: Vec2) -> Option<egui::Pos2> {
+        self.zoom.place(pixel)
+    }
+
     /// The state of the outlines.
     #[must_use]
     pub const fn cutter(&self) -> &Cutter {
