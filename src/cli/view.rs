@@ -6,7 +6,7 @@ use clap::Args;
 use std::path::PathBuf;
 
 /// Arguments of `lapped view`.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(after_help = "\
 Examples:
   lapped view                            an empty window: pick a demo, or drop a mesh and an image into it
@@ -31,6 +31,9 @@ pub struct ViewArgs {
     /// Where settings and unsaved work are kept [default: the system's place for them]
     #[arg(long, value_name = "DIR")]
     pub home: Option<PathBuf>,
+    /// Ask for the names of files in the window, where the system has no dialogs for that
+    #[arg(long)]
+    pub own_dialogs: bool,
     /// See [`Common`].
     #[command(flatten)]
     pub common: Common,
@@ -42,6 +45,6 @@ pub struct ViewArgs {
 /// If there is no display or no graphics adapter that can show a window.
 pub fn run(args: &ViewArgs) -> anyhow::Result<()> {
     let size = args.size.map(|size| size.0.map(|s| s as f32));
-    let ViewArgs { files, adapter, trace, home, .. } = args;
-    Ok(open(ViewOptions { files: files.clone(), adapter: adapter.clone(), size, trace: trace.clone(), home: home.clone() })?)
+    let ViewArgs { files, adapter, trace, home, own_dialogs, .. } = args.clone();
+    Ok(open(ViewOptions { files, adapter, size, trace, home, own_dialogs })?)
 }

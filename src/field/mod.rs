@@ -31,9 +31,10 @@ pub use constrained::{ConstrainedStatistics, FieldOptions, constrained, constrai
 pub use constraints::{Anchor, Constraint, Constraints};
 pub use error::{ConstraintProblem, FieldError};
 pub use mirror::Mirror;
+pub use nway::NWaySingularity;
 pub use nway::{NWayField, NWayOptions, NWaySolver, NWayStatistics, comb};
 pub use refine::{RefineOptions, RefineStatistics, Refined, refine_near_singularities};
-pub use singularities::{Singularity, discontinuity, singularities};
+pub use singularities::{Singularity, discontinuity, singularities, turning_points};
 pub use spread::Carry;
 pub use streamlines::{Streamline, StreamlineOptions, streamlines};
 pub use stroke::{Comb, Dab, Wish, overrule, stroke};

@@ -5,7 +5,8 @@
 //! Li, Levy, "N-symmetry direction field design", 2008, sec. 3). On a closed mesh the indices sum to the Euler characteristic:
 //! Poincare and Hopf's theorem, which holds here exactly, not only in the limit.
 
-use super::Guide;
+use super::nway::NWaySingularity;
+use super::{Guide, TangentField};
 use crate::mesh::transport::{across, angle};
 use crate::mesh::{Mesh, NONE, prev};
 use glam::Vec3;
@@ -52,13 +53,48 @@ pub fn singularities(mesh: &Mesh, directions: &[Vec3]) -> Vec<Singularity> {
             // The turns around the vertex, and the angle that is missing to a flat fan.
             let mut total = TAU;
             for h in mesh.ring(start) {
-                let [a, b] = [crate::mesh::next(h), prev(h)].map(|at| mesh.point(mesh.origin(at)) - mesh.point(vertex));
-                total += turn(mesh, directions, prev(h)) - a.cross(b).length().atan2(a.dot(b));
+                total += turn(mesh, directions, prev(h)) - corner(mesh, h);
             }
             let index = (total / TAU).round() as i32;
             (index != 0).then_some(Singularity { vertex, index })
         })
         .collect()
+}
+
+/// The vertices around which a field turns, in n-th parts of a full turn where it means `ways` directions. Vertices on a boundary
+/// have no index.
+#[must_use]
+pub fn turning_points(mesh: &Mesh, field: &TangentField) -> Vec<NWaySingularity> {
+    if field.ways <= 1 {
+        let parts = |s: Singularity| NWaySingularity { place: s.vertex, parts: s.index };
+        return singularities(mesh, &field.up).into_iter().map(parts).collect();
+    }
+    let part = TAU / f64::from(field.ways);
+    let first = mesh.vertex_half_edges();
+    (0..mesh.vertex_count() as u32)
+        .into_par_iter()
+        .filter_map(|place| {
+            let start = first[place as usize];
+            if start == NONE || mesh.opposite[start as usize] == NONE {
+                return None;
+            }
+            let mut total = TAU;
+            for h in mesh.ring(start) {
+                let turn = turn(mesh, &field.up, prev(h));
+                // To the nearest of the next face's directions.
+                total += turn - part * (turn / part).round() - corner(mesh, h);
+            }
+            let parts = (total / part).round() as i32;
+            (parts != 0).then_some(NWaySingularity { place, parts })
+        })
+        .collect()
+}
+
+/// The angle of a face at the origin of a half-edge.
+fn corner(mesh: &Mesh, h: u32) -> f64 {
+    let at = mesh.point(mesh.origin(h));
+    let [a, b] = [crate::mesh::next(h), prev(h)].map(|k| mesh.point(mesh.origin(k)) - at);
+    a.cross(b).length().atan2(a.dot(b))
 }
 
 /// How abruptly the texture changes at each face: the largest turn (radians) or change of scale (natural logarithm) over its

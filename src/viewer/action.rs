@@ -23,6 +23,10 @@ pub enum Action {
     Comb,
     Cut,
     Watch,
+    Arrows,
+    Streamlines,
+    Singularities,
+    Edges,
     Reload,
     Stop,
     Theme,
@@ -36,7 +40,7 @@ const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Action {
     /// All deeds, in the order of the help sheet.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 27] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -53,6 +57,10 @@ impl Action {
         Self::Comb,
         Self::Cut,
         Self::Watch,
+        Self::Arrows,
+        Self::Streamlines,
+        Self::Singularities,
+        Self::Edges,
         Self::Reload,
         Self::Stop,
         Self::Gallery,
@@ -95,6 +103,16 @@ impl Action {
             Self::Comb => ("Comb", key(NONE, Key::C), "Drag over the model to set which way the texture lies"),
             Self::Cut => ("Cut patches", key(NONE, Key::X), "Draw outlines of texture patches on the exemplar"),
             Self::Watch => ("Watch", key(NONE, Key::W), "See pastes laid one by one, and how one of them grows"),
+            Self::Arrows => {
+                ("Field arrows", key(NONE, Key::A), "Arrows where texture up points; longer ones mean a larger texture")
+            }
+            Self::Streamlines => ("Streamlines", key(NONE, Key::S), "Lines along the tangent field"),
+            Self::Singularities => {
+                ("Singularities", key(NONE, Key::P), "Points around which the field turns: poles red, saddles orange")
+            }
+            Self::Edges => {
+                ("Mesh edges", key(NONE, Key::E), "The edges of the faces that are pasted on, where they are no more than 300 000")
+            }
             Self::Reload => ("Reload files", key(COMMAND, Key::R), "Read model and exemplars again"),
             Self::Stop => ("Stop", key(NONE, Key::Escape), "Stop the work that goes on"),
             Self::Theme => ("Light or dark", key(NONE, Key::L), "Change between the light and the dark theme"),

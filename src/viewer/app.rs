@@ -9,6 +9,7 @@ use super::gallery::Thumbnails;
 use super::graphics::Graphics;
 use super::home::{Home, Settings};
 use super::library::Library;
+use super::lines::Lines;
 use super::mode::Mode;
 use super::panels;
 use super::side::Side;
@@ -42,6 +43,8 @@ pub struct Notice {
 pub enum Question {
     /// There is unsaved work, and this would lose it.
     Unsaved(Loss),
+    /// The name of a file is wanted; what is typed so far.
+    Name(super::deeds::Purpose, String),
     /// Work was left behind by a crash, in this file.
     Recover(PathBuf, Box<Project>),
 }
@@ -64,6 +67,8 @@ pub struct App {
     pub document: Document,
     /// The three-dimensional view.
     pub viewport: Viewport,
+    /// Lines on the surface.
+    pub lines: Lines,
     /// What the user is told.
     pub notices: Vec<Notice>,
     /// What the user is asked.
@@ -76,6 +81,8 @@ pub struct App {
     pub cut: Option<CutRoom>,
     /// Pastes being watched.
     pub watch: Option<WatchRoom>,
+    /// Ask for files by their names in the window, not in the system's dialogs.
+    pub own_dialogs: bool,
     pub(super) graphics: Graphics,
     pub(super) library: Arc<Library>,
     pub(super) settings: Settings,
@@ -128,11 +135,13 @@ impl App {
         Self {
             document: Document::default(),
             viewport: Viewport::default(),
+            lines: Lines::default(),
             notices: Vec::new(),
             question,
             steer: SteerRoom::new(wake()),
             cut: None,
             watch: None,
+            own_dialogs: false,
             open_panels: OpenPanels { gallery: true, figures: true, help: false },
             library: Arc::default(),
             settings,
@@ -287,6 +296,10 @@ impl App {
             }
             Action::Cut => self.toggle_cutting(context),
             Action::Watch => self.toggle_watching(context),
+            Action::Arrows => self.lines.arrows = !self.lines.arrows,
+            Action::Streamlines => self.lines.streamlines = !self.lines.streamlines,
+            Action::Singularities => self.lines.singularities = !self.lines.singularities,
+            Action::Edges => self.lines.edges = !self.lines.edges,
             Action::Reload => {
                 self.library.forget();
                 self.kitchen = Arc::default();
@@ -318,13 +331,19 @@ impl App {
             self.builds.cancel();
             self.opens.cancel();
             self.exports.cancel();
+            self.side.cancel();
         }
     }
 
     /// What goes on, if anything does: what it is, its stage, and the share that is done if that is known.
     #[must_use]
     pub fn work(&self) -> Option<(&'static str, String, Option<f32>)> {
-        let meters = [("Opening", self.opens.meter()), ("Pasting", self.builds.meter()), ("Exporting", self.exports.meter())];
+        let meters = [
+            ("Opening", self.opens.meter()),
+            ("Pasting", self.builds.meter()),
+            ("Exporting", self.exports.meter()),
+            ("Preparing", self.side.meter()),
+        ];
         let (name, meter) = meters.into_iter().find_map(|(name, meter)| meter.map(|m| (name, m)))?;
         let (stage, share) = meter.state();
         Some((name, stage, share))
@@ -367,19 +386,18 @@ impl App {
             self.edit(edit.what, |project| put(project, edit));
         }
         let watched = self.watch.as_ref().and_then(WatchRoom::subject);
-        let (side, still) = (&self.side, &self.still);
+        let (side, still, which) = (&self.side, &self.still, self.lines);
         let wanted = Still::wanted(&self.viewport, ui.visuals().dark_mode, shown.as_deref());
         let given = |mode: Mode| {
             let (own, number) = shown.as_ref().map_or((None, 0), |s| (Some(&s.subject), s.revision));
             let still = (mode == Mode::Reference).then(|| still.picture(wanted.as_ref())).flatten();
             // Numbers of partial subjects must not be those of revisions.
             if let Some((subject, number)) = watched.filter(|_| matches!(mode, Mode::Single | Mode::Layered)) {
-                return Given { subject: Some(subject), still: None, number: u64::MAX - number };
+                return Given { subject: Some(subject), lines: None, still: None, number: u64::MAX - number };
             }
-            match mode {
-                Mode::Single | Mode::Layered | Mode::Reference => Given { subject: own, still, number },
-                Mode::Pastes | Mode::Bare => Given { subject: side.subject(mode), still, number: side.number(mode) },
-            }
+            let (subject, number) = if mode.is_made() { side.subject(mode) } else { (own, number) };
+            let lines = shown.as_ref().and_then(|s| side.lines(s.revision, which));
+            Given { subject, lines, still, number }
         };
         let seen = self.viewport.show(ui, &self.graphics, bounds, pointed.held, given);
         if let Some(error) = seen.error {
@@ -501,7 +519,9 @@ impl App {
         let done: Vec<Done> = lanes.into_iter().flat_map(Lane::take).collect();
         done.into_iter().for_each(|done| self.take_done(done));
         self.thumbnails.take(context);
-        self.side.take();
+        for error in self.side.take() {
+            self.tell(error.to_string(), true);
+        }
         self.still.take(context);
     }
 
@@ -522,6 +542,7 @@ impl App {
         if let Some(shown) = &self.shown {
             let modes: Vec<Mode> = self.viewport.seen_modes().collect();
             self.side.ask(&modes, shown, &self.graphics);
+            self.side.ask_lines(self.lines, self.viewport.height(), self.viewport.orbit.at, shown, &self.graphics);
             if modes.contains(&Mode::Reference) {
                 if self.viewport.at_rest(now) < REST {
                     ui.ctx().request_repaint_after_secs(REST as f32);

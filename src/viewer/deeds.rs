@@ -1,7 +1,7 @@
 //! What is done with files, and pictures at rest: asked for here, done on other threads, taken in here.
 
 use super::action::Action;
-use super::app::App;
+use super::app::{App, Question};
 use super::build::Shown;
 use super::gallery::{color_image, of_exemplar};
 use super::library::{OpenExemplar, OpenModel};
@@ -197,13 +197,14 @@ impl App {
     pub(super) fn ask_what_to_open(&mut self) {
         let all: Vec<&str> = MODELS.iter().chain(&IMAGES).copied().chain([PROJECT_EXTENSION]).collect();
         let dialog = rfd::FileDialog::new().set_title("Open").add_filter("Everything lapped opens", &all);
-        self.ask(Purpose::Open, move || dialog.pick_files());
+        self.ask(Purpose::Open, String::new(), move || dialog.pick_files());
     }
 
     pub(super) fn ask_where_to_save(&mut self) {
         let dialog = rfd::FileDialog::new().set_title("Save project").add_filter("Project", &[PROJECT_EXTENSION]);
-        let dialog = dialog.set_file_name(format!("{}.{PROJECT_EXTENSION}", self.document.title()));
-        self.ask(Purpose::Save, move || dialog.save_file().map(|path| vec![path]));
+        let name = format!("{}.{PROJECT_EXTENSION}", self.document.title());
+        let dialog = dialog.set_file_name(&name);
+        self.ask(Purpose::Save, name, move || dialog.save_file().map(|path| vec![path]));
     }
 
     pub(super) fn ask_where_to_export(&mut self, what: Action) {
@@ -212,13 +213,16 @@ impl App {
         }
         let ending = if what == Action::ExportPicture { "png" } else { "glb" };
         let dialog = rfd::FileDialog::new().set_title(what.name()).add_filter(ending, &[ending]);
-        let dialog = dialog.set_file_name(format!("{}.{ending}", self.document.title()));
-        self.ask(Purpose::Export(what), move || dialog.save_file().map(|path| vec![path]));
+        let name = format!("{}.{ending}", self.document.title());
+        let dialog = dialog.set_file_name(&name);
+        self.ask(Purpose::Export(what), name, move || dialog.save_file().map(|path| vec![path]));
     }
 
     /// Asks for files on a thread of its own: dialogs of the system wait for an answer.
-    fn ask(&mut self, purpose: Purpose, dialog: impl FnOnce() -> Option<Vec<PathBuf>> + Send + 'static) {
-        if self.dialogs.meter().is_none() {
+    fn ask(&mut self, purpose: Purpose, name: String, dialog: impl FnOnce() -> Option<Vec<PathBuf>> + Send + 'static) {
+        if self.own_dialogs {
+            self.question = Some(Question::Name(purpose, name));
+        } else if self.dialogs.meter().is_none() {
             self.dialogs.submit(move |_, deliver| deliver(Done::Chosen(purpose, dialog().unwrap_or_default())));
         }
     }
@@ -261,16 +265,21 @@ impl App {
                 self.home.let_go();
             }
             Done::Written(path) => self.tell(format!("{} was written", path.display()), false),
-            Done::Chosen(purpose, paths) => match (purpose, paths.first()) {
-                (_, None) => {}
-                (Purpose::Open, _) => self.open_all(&paths),
-                (Purpose::Save, Some(path)) => self.save_to(path.clone()),
-                (Purpose::Export(what), Some(path)) => self.export_to(what, path.clone(), self.settings.dark),
-            },
+            Done::Chosen(purpose, paths) => self.take_files(purpose, &paths),
             Done::Kept(None) => {}
             Done::Kept(Some(error)) => self.tell(format!("unsaved work cannot be kept against a crash: {error}"), false),
             Done::Failed(DeedError::Bake(AtlasError::Cancelled)) => {}
             Done::Failed(error) => self.tell(error.to_string(), true),
+        }
+    }
+
+    /// Takes files that were chosen.
+    pub(super) fn take_files(&mut self, purpose: Purpose, paths: &[PathBuf]) {
+        match (purpose, paths.first()) {
+            (_, None) => {}
+            (Purpose::Open, _) => self.open_all(paths),
+            (Purpose::Save, Some(path)) => self.save_to(path.clone()),
+            (Purpose::Export(what), Some(path)) => self.export_to(what, path.clone(), self.settings.dark),
         }
     }
 

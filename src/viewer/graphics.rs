@@ -109,6 +109,7 @@ impl Pane {
         let Some(target) = &self.target else { return Ok(()) };
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         match (look.path, look.subjects) {
+            // With lines in the same depth the other way shows the same.
             (Path::Layered, [subject]) => {
                 let canvas = match self.canvas.take().filter(|(s, _)| *s == size) {
                     Some((_, kept)) => kept,

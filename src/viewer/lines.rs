@@ -152,17 +152,16 @@ struct Pen<'a> {
     lift: f64,
 }
 
-/// A point on the way of a line: where, the way, and the normal.
+/// A point on the way of a line, and the normal there.
 #[derive(Debug, Clone, Copy)]
 struct Station {
-    at: SurfacePoint,
     position: DVec3,
     normal: DVec3,
 }
 
 impl Pen<'_> {
     fn station(&self, at: SurfacePoint) -> Station {
-        Station { at, position: self.mesh.position(at), normal: self.mesh.normal(at.face) }
+        Station { position: self.mesh.position(at), normal: self.mesh.normal(at.face) }
     }
 
     fn lifted(&self, station: &Station) -> DVec3 {
@@ -183,7 +182,14 @@ impl Pen<'_> {
     }
 
     /// The stations from a place along the field, or against it, until a length is gone, the field breaks, or `on` says no.
-    fn trace(&self, field: &TangentField, from: SurfacePoint, length: f64, sign: f64, mut on: impl FnMut(&Station) -> bool) -> Vec<Station> {
+    fn trace(
+        &self,
+        field: &TangentField,
+        from: SurfacePoint,
+        length: f64,
+        sign: f64,
+        mut on: impl FnMut(&Station) -> bool,
+    ) -> Vec<Station> {
         let step = STEP * self.spacing;
         let mut way = Vec::new();
         let (mut at, mut left) = (from, length);

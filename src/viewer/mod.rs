@@ -19,6 +19,7 @@ pub mod gallery;
 pub mod graphics;
 pub mod home;
 pub mod library;
+pub mod lines;
 pub mod mode;
 pub mod orbit;
 mod panels;
@@ -53,6 +54,8 @@ pub struct ViewOptions {
     pub trace: Option<PathBuf>,
     /// Where settings and unsaved work are kept; the system's own place if absent.
     pub home: Option<PathBuf>,
+    /// Ask for files by their names in the window, not in the system's dialogs.
+    pub own_dialogs: bool,
 }
 
 /// Why there is no window.

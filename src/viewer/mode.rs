@@ -14,15 +14,39 @@ pub enum Mode {
     Layered,
     /// The texture, drawn by the processor as in pictures.
     Reference,
+    /// The texture baked into an atlas.
+    Atlas,
+    /// The exemplar synthesised vertex by vertex instead of pasted.
+    Synthesis,
     /// Each paste in a colour of its own.
     Pastes,
+    /// How many pastes each face draws, and where none covers it.
+    Draws,
+    /// How far the topmost paste is from the scale asked for.
+    Stretch,
     /// The mesh without texture.
     Bare,
 }
 
 impl Mode {
     /// All of them, in the order in which they are offered.
-    pub const ALL: [Self; 5] = [Self::Single, Self::Layered, Self::Reference, Self::Pastes, Self::Bare];
+    pub const ALL: [Self; 9] = [
+        Self::Single,
+        Self::Layered,
+        Self::Reference,
+        Self::Atlas,
+        Self::Synthesis,
+        Self::Pastes,
+        Self::Draws,
+        Self::Stretch,
+        Self::Bare,
+    ];
+
+    /// True for those whose subject is made when they are looked at.
+    #[must_use]
+    pub const fn is_made(self) -> bool {
+        !matches!(self, Self::Single | Self::Layered | Self::Reference)
+    }
 
     /// Its name.
     #[must_use]
@@ -31,7 +55,11 @@ impl Mode {
             Self::Single => "Single pass",
             Self::Layered => "Layered",
             Self::Reference => "Reference",
+            Self::Atlas => "Atlas",
+            Self::Synthesis => "Synthesis",
             Self::Pastes => "Pastes",
+            Self::Draws => "Draws per face",
+            Self::Stretch => "Stretch",
             Self::Bare => "Bare mesh",
         }
     }
@@ -45,6 +73,12 @@ impl Mode {
             Self::Reference => {
                 "Drawn by the processor, every sample by itself, with shadows: as pictures are. Appears when the view is at rest"
             }
+            Self::Atlas => "The texture baked into an atlas of charts, as other tools show it. Takes a while to bake",
+            Self::Synthesis => {
+                "Wei and Levoy's synthesis: the first exemplar matched vertex by vertex on a re-tiled mesh, level by level. Takes a while"
+            }
+            Self::Draws => "How many pastes lie on each face; where the surface is not covered it is marked",
+            Self::Stretch => "The scale of the topmost paste against the one that the field asks for",
             Self::Pastes => "Each paste (one texture patch on one surface patch) in its own colour, with its alpha",
             Self::Bare => "The mesh alone",
         }

@@ -21,6 +21,8 @@ const LEAST_SHARE: f32 = 0.05;
 pub struct Given<'a> {
     /// The subject; none if it is not ready.
     pub subject: Option<&'a Subject>,
+    /// Lines on the surface, and a number that is another with every other.
+    pub lines: Option<(&'a Subject, u64)>,
     /// A picture that stands for the frame, of this very view.
     pub still: Option<egui::TextureId>,
     /// Counts up with every other subject.
@@ -36,6 +38,7 @@ struct Key3 {
     light: Light,
     options: DrawOptions,
     number: u64,
+    lines: u64,
 }
 
 /// The view.
@@ -91,6 +94,13 @@ pub struct Seen {
 }
 
 impl Viewport {
+    /// How much of the world is seen from the top to the bottom, at the point looked at.
+    #[must_use]
+    pub fn height(&self) -> f64 {
+        let Projection::Perspective(tangent) = self.orbit.camera().projection else { return 1.0 };
+        2.0 * tangent * self.orbit.distance
+    }
+
     /// Where it is in the window, points.
     #[must_use]
     pub const fn rect(&self) -> Rect {
@@ -177,13 +187,15 @@ impl Viewport {
         let (mut error, mut frames) = (None, 0);
         for (i, mode) in self.seen_modes().collect::<Vec<_>>().into_iter().enumerate() {
             let given = given(mode);
-            let key = Key3 { size, orbit: self.orbit, mode, light: self.light, options, number: given.number };
+            let lines = given.lines.map_or(0, |(_, number)| number);
+            let key = Key3 { size, orbit: self.orbit, mode, light: self.light, options, number: given.number, lines };
             if let Some(subject) = given.subject.filter(|_| self.drawn[i].as_ref() != Some(&key)) {
                 let path = if mode == Mode::Layered { Path::Layered } else { Path::Single };
                 if self.drawn[i].as_ref().is_none_or(|old| old.number != key.number || old.mode != mode) {
                     self.panes[i].forget();
                 }
-                let look = Look { subjects: &[subject], path, camera: &camera, options: &options, depth };
+                let both: Vec<&Subject> = std::iter::once(subject).chain(given.lines.map(|(lines, _)| lines)).collect();
+                let look = Look { subjects: &both, path, camera: &camera, options: &options, depth };
                 error = self.panes[i].draw(graphics, size, &look).err().or(error);
                 self.drawn[i] = Some(key);
                 frames += 1;

@@ -162,6 +162,7 @@ impl Open {
         let input = egui_winit::State::new(context.clone(), egui::ViewportId::ROOT, &*window, scale, window.theme(), longest);
         let graphics = Graphics::new(gpu.clone(), Arc::clone(&painter))?;
         let mut app = App::new(&context, graphics, options.home.clone());
+        app.own_dialogs = options.own_dialogs;
         app.open_all(&options.files);
         window.request_redraw();
         Ok(Self { app, context, input, painter, gpu, instance, surface, window, title: String::new() })

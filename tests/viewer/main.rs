@@ -4,6 +4,8 @@
 #![cfg(feature = "viewer")]
 
 mod common;
+mod looks;
 mod panels;
 mod steer;
 mod walk;
+mod window;

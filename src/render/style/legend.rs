@@ -6,11 +6,12 @@ use crate::exemplar::srgb;
 use glam::{Vec2, Vec3};
 
 /// A colour bar with labels, or separate swatches.
-pub(super) struct Legend {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Legend {
     /// What is measured.
-    pub(super) title: &'static str,
+    pub title: &'static str,
     /// Colours (linear light) and labels from left to right; an empty label leaves the colour without one.
-    pub(super) entries: Vec<(Vec3, String)>,
+    pub entries: Vec<(Vec3, String)>,
 }
 
 /// Colour of text, sRGB.

@@ -23,11 +23,12 @@ use super::shade::Lighting;
 use super::sheet::{SheetOptions, lay_out};
 use crate::exemplar::{Channel, ChannelSet};
 use crate::field::Guide;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, SurfacePoint};
 use crate::paste::LappedTexture;
 use crate::surface::{SurfaceTexture, Texel};
 use glam::Vec3;
-use legend::Legend;
+pub use legend::Legend;
+use rayon::prelude::*;
 use std::fmt;
 use std::str::FromStr;
 
@@ -111,20 +112,10 @@ trait Show: Sync {
 /// # Errors
 /// If the sheet cannot be drawn, or the subject lacks what the style shows.
 pub fn preview(subject: &Subject, style: PreviewStyle, options: &SheetOptions) -> Result<Picture, RenderError> {
-    let Subject { mesh, texture, lapped, guide } = *subject;
-    let missing = |what| RenderError::Missing { style: style.name(), what };
-    let lapped = || lapped.ok_or(missing("a lapped texture"));
-    let show: Box<dyn Show + '_> = match style {
-        PreviewStyle::Texture => return super::sheet::sheet(mesh, texture, options),
-        PreviewStyle::Pastes => Box::new(pastes::Pastes::new(mesh, lapped()?)),
-        PreviewStyle::Field => {
-            let field = guide.and_then(Guide::field).ok_or(missing("a directed field"))?;
-            Box::new(field::Arrows::new(mesh, field))
-        }
-        PreviewStyle::Coverage => Box::new(coverage::Coverage::new(mesh, lapped()?)),
-        PreviewStyle::Stretch => Box::new(stretch::Stretch::new(mesh, lapped()?, guide.ok_or(missing("the field"))?)),
-        PreviewStyle::Wireframe => Box::new(wireframe::Wireframe::new(mesh, options.samples)),
+    let Some(show) = show(subject, style, options.samples)? else {
+        return super::sheet::sheet(subject.mesh, subject.texture, options);
     };
+    let mesh = subject.mesh;
     let mut options = options.clone();
     options.draw.lighting = Lighting::even();
     let stage = Stage::new(mesh, &options.draw);
@@ -138,6 +129,46 @@ pub fn preview(subject: &Subject, style: PreviewStyle, options: &SheetOptions) -
         sheet = legend.below(&sheet);
     }
     Ok(sheet)
+}
+
+/// A style made ready; none for the texture itself.
+fn show<'a>(subject: &Subject<'a>, style: PreviewStyle, samples: u32) -> Result<Option<Box<dyn Show + 'a>>, RenderError> {
+    let Subject { mesh, lapped, guide, .. } = *subject;
+    let missing = |what| RenderError::Missing { style: style.name(), what };
+    let lapped = || lapped.ok_or(missing("a lapped texture"));
+    Ok(Some(match style {
+        PreviewStyle::Texture => return Ok(None),
+        PreviewStyle::Pastes => Box::new(pastes::Pastes::new(mesh, lapped()?)),
+        PreviewStyle::Field => {
+            let field = guide.and_then(Guide::field).ok_or(missing("a directed field"))?;
+            Box::new(field::Arrows::new(mesh, field))
+        }
+        PreviewStyle::Coverage => Box::new(coverage::Coverage::new(mesh, lapped()?)),
+        PreviewStyle::Stretch => Box::new(stretch::Stretch::new(mesh, lapped()?, guide.ok_or(missing("the field"))?)),
+        PreviewStyle::Wireframe => Box::new(wireframe::Wireframe::new(mesh, samples)),
+    }))
+}
+
+/// How far from a corner towards the middle of its face a style is asked for that corner's colour: right at the corner
+/// the pastes of its neighbours count too.
+const INWARD: f32 = 0.2;
+
+/// The colours of a style at the corners of every face, linear light, for who draws by a graphics device; and what they mean.
+/// Lines that the style draws over a picture are not among them.
+///
+/// # Errors
+/// If the subject lacks what the style shows.
+#[allow(clippy::type_complexity, reason = "colours and their legend")]
+pub fn corner_colours(subject: &Subject<'_>, style: PreviewStyle) -> Result<(Vec<[Vec3; 3]>, Option<Legend>), RenderError> {
+    let show = show(subject, style, 1)?;
+    let texture = show.as_ref().map_or(subject.texture, |show| show.texture());
+    let colour = |face: u32, k: usize| {
+        let mut bary = Vec3::splat(INWARD / 2.0);
+        bary[k] = 1.0 - INWARD;
+        texture.texel(SurfacePoint { face, bary }, 0.0).base_color
+    };
+    let colours = (0..subject.mesh.face_count() as u32).into_par_iter().map(|f| [0, 1, 2].map(|k| colour(f, k))).collect();
+    Ok((colours, show.and_then(|show| show.legend())))
 }
 
 /// The channels of pictures that only have a colour.

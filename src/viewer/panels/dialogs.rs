@@ -2,7 +2,9 @@
 
 use super::super::action::Action;
 use super::super::app::{App, Loss, Question};
-use egui::{Align2, Context, Grid, Id, Modal, RichText, ScrollArea, Window, vec2};
+use super::super::deeds::Purpose;
+use egui::{Align2, Context, Grid, Id, Modal, RichText, ScrollArea, TextEdit, Window, vec2};
+use std::path::PathBuf;
 
 /// What the pointer does.
 const POINTER: [(&str, &str); 6] = [
@@ -18,6 +20,7 @@ pub(super) fn show(app: &mut App, context: &Context) {
     help(app, context);
     match app.question.clone() {
         Some(Question::Unsaved(loss)) => unsaved(app, context, loss),
+        Some(Question::Name(purpose, text)) => name(app, context, purpose, text),
         Some(Question::Recover(path, project)) => {
             let answer = Modal::new(Id::unique("recover")).show(context, |ui| {
                 ui.set_max_width(380.0);
@@ -43,6 +46,36 @@ pub(super) fn show(app: &mut App, context: &Context) {
             }
         }
         None => {}
+    }
+}
+
+/// The name of a file, typed.
+fn name(app: &mut App, context: &Context, purpose: Purpose, mut text: String) {
+    let (title, deed) = match purpose {
+        Purpose::Open => ("Open which file?", "Open"),
+        Purpose::Save => ("Save the project where?", "Save"),
+        Purpose::Export(_) => ("Write to which file?", "Write"),
+    };
+    let answer = Modal::new(Id::unique("name")).show(context, |ui| {
+        ui.set_width(420.0_f32.min(context.content_rect().width() - 40.0));
+        let label = ui.heading(title);
+        let edit = ui.add(TextEdit::singleline(&mut text).desired_width(f32::INFINITY).hint_text("folder/file"));
+        let edit = edit.labelled_by(label.id);
+        if !edit.has_focus() && !edit.lost_focus() {
+            edit.request_focus();
+        }
+        let entered = edit.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
+        ui.add_space(8.0);
+        ui.horizontal(|ui| [ui.button(deed).clicked() || entered, ui.button("Cancel").clicked()]).inner
+    });
+    let [done, cancel] = answer.inner;
+    if done && !text.trim().is_empty() {
+        app.question = None;
+        app.take_files(purpose, &[PathBuf::from(text.trim())]);
+    } else if cancel || answer.should_close() {
+        app.question = None;
+    } else {
+        app.question = Some(Question::Name(purpose, text));
     }
 }
 

@@ -1,14 +1,20 @@
 //! Figures of what is shown: pastes, draws per face, the field, memory, and the time of frames.
 
+use super::super::action::Action;
 use super::super::app::App;
 use super::super::trace::{KEPT, STALL};
+use super::menu::hint;
 use super::settings::grouped;
+use crate::exemplar::srgb;
 use crate::job::estimate::in_words;
+use crate::render::picture::to_byte;
 use egui::{Color32, Grid, Pos2, Rect, RichText, ScrollArea, Sense, Shape, Stroke, Ui, pos2, vec2};
 
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.add_space(4.0);
+        overlays(app, ui);
+        ui.add_space(6.0);
         ui.label(RichText::new("Figures").strong());
         let Some(shown) = app.shown() else {
             ui.weak("Nothing is shown yet");
@@ -47,6 +53,19 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             let ways = if field.ways > 1 { format!("{}-way", field.ways) } else { "one direction".to_owned() };
             rows.push(("field", ways, "Directions that look alike at each place"));
         }
+        if let Some(turning) = app.side.turning(shown.revision) {
+            let ways = shown.field().map_or(1, |f| f.ways);
+            let sum = if ways > 1 {
+                format!("{} (sum {}/{ways})", turning.count, turning.sum)
+            } else {
+                format!("{} (sum {})", turning.count, turning.sum)
+            };
+            rows.push((
+                "singularities",
+                sum,
+                "Points around which the field turns; on a closed surface their indices sum to its Euler number",
+            ));
+        }
         let [mesh, lists, images] = shown.subject.bytes();
         rows.push(("memory: mesh", in_words(mesh as f64), "On the graphics device: vertex positions"));
         rows.push(("memory: pastes", in_words(lists as f64), "On the graphics device: paste lists of all faces"));
@@ -64,6 +83,37 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         let last = app.trace().frames.last().copied().unwrap_or(0.0);
         ui.weak(format!("{:.1} ms now, {:.1} ms at most", 1e3 * last, 1e3 * app.trace().longest().as_secs_f64()));
     });
+}
+
+/// Lines on the surface, and what the colours of the modes mean.
+fn overlays(app: &mut App, ui: &mut Ui) {
+    ui.label(RichText::new("Lines").strong());
+    let lines = &mut app.lines;
+    let boxes = [
+        (&mut lines.arrows, Action::Arrows),
+        (&mut lines.streamlines, Action::Streamlines),
+        (&mut lines.singularities, Action::Singularities),
+        (&mut lines.edges, Action::Edges),
+    ];
+    for (on, action) in boxes {
+        ui.checkbox(on, action.name()).on_hover_text(hint(action));
+    }
+    for mode in app.viewport.seen_modes() {
+        let Some(legend) = app.side.legend(mode) else { continue };
+        ui.add_space(6.0);
+        ui.label(RichText::new(legend.title).strong());
+        for (colour, label) in &legend.entries {
+            if label.is_empty() {
+                continue;
+            }
+            ui.horizontal(|ui| {
+                let (swatch, _) = ui.allocate_exact_size(vec2(22.0, 12.0), Sense::hover());
+                let [r, g, b] = colour.to_array().map(|c| to_byte(srgb::encode(c)));
+                ui.painter().rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
+                ui.label(label);
+            });
+        }
+    }
 }
 
 /// Times of the last frames as a line, with the time that is not to be passed.

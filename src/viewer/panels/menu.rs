@@ -44,7 +44,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             item(ui, Action::Stop, app.work().is_some(), &mut asked);
         });
         ui.menu_button("View", |ui| {
-            use Action::{Comb, Cut, Figures, Frame, Gallery, NextMode, Split, Theme, Turntable, Watch};
+            use Action::{
+                Arrows, Comb, Cut, Edges, Figures, Frame, Gallery, NextMode, Singularities, Split, Streamlines, Theme, Turntable, Watch,
+            };
             [Frame, Turntable, Split, NextMode].into_iter().for_each(|a| item(ui, a, true, &mut asked));
             ui.separator();
             [Comb, Cut, Watch].into_iter().for_each(|a| item(ui, a, app.shown.is_some(), &mut asked));
@@ -59,6 +61,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
                     ui.radio_value(&mut app.viewport.backdrop, backdrop, backdrop.name());
                 }
             });
+            ui.separator();
+            [Arrows, Streamlines, Singularities, Edges].into_iter().for_each(|a| item(ui, a, true, &mut asked));
             ui.separator();
             [Gallery, Figures, Theme].into_iter().for_each(|a| item(ui, a, true, &mut asked));
         });

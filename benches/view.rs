@@ -1,0 +1,82 @@
+//! From a change to its picture, and how long the interface stands still meanwhile: `cargo bench --bench view`.
+//!
+//! The viewer is driven without a window; frames are drawn by whatever adapter there is, software ones too. Drawing itself is
+//! not counted to the interface's time, waiting for the picture is.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a bench fails and talks as tests do")]
+
+use egui_kittest::Harness;
+use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use lapped::job::Link;
+use lapped::job::project::{Direction, Size};
+use lapped::render::gpu::Gpu;
+use lapped::viewer::{App, Graphics};
+use std::time::{Duration, Instant};
+
+/// Changes of each kind.
+const TIMES: usize = 12;
+
+fn main() {
+    let state = create_render_state(default_wgpu_setup(), egui_wgpu::RendererOptions::PREDICTABLE);
+    let gpu = Gpu::from_device(state.device.clone(), state.queue.clone());
+    println!("{}", gpu.adapter());
+    let mut graphics = Some(Graphics::new(gpu, state.renderer.clone()).unwrap());
+    let home = tempfile::tempdir().unwrap();
+    let folder = home.path().to_owned();
+    let mut harness: Harness<'_, Option<App>> =
+        Harness::builder().with_size([1280.0, 720.0]).renderer(WgpuTestRenderer::from_render_state(state)).build_ui_state(
+            move |ui, app: &mut Option<App>| {
+                let make = || App::new(ui.ctx(), graphics.take().unwrap(), Some(folder.clone()));
+                app.get_or_insert_with(make).timed_ui(ui);
+            },
+            None,
+        );
+    harness.step();
+    println!("model                faces  change       median ms   worst ms   longest stall ms");
+    for (model, exemplar) in [("dragonling", "scales"), ("dragonling", "moss"), ("dragonling_25k", "scales")] {
+        let app = harness.state_mut().as_mut().unwrap();
+        app.set_exemplars(vec![Link::BuiltIn(exemplar.to_owned())]);
+        app.set_model(Link::BuiltIn(model.to_owned()));
+        settle(&mut harness);
+        for name in ["seed", "scale", "direction"] {
+            let mut times = Vec::new();
+            *harness.state_mut().as_mut().unwrap().trace_mut() = lapped::viewer::trace::Trace::default();
+            for k in 0..TIMES {
+                let app = harness.state_mut().as_mut().unwrap();
+                app.document.end_gesture();
+                match name {
+                    "seed" => app.edit("seed", |p| p.seed = 100 + k as u64),
+                    "scale" => app.edit("scale", |p| p.size = Size::Ratio(36.0 + k as f64 * 0.5)),
+                    _ => app.edit("direction", |p| {
+                        let angle = 0.1 + 0.2 * k as f64;
+                        p.direction = Direction::Up([angle.sin(), angle.cos(), 0.0]);
+                    }),
+                }
+                settle(&mut harness);
+            }
+            let app = harness.state().as_ref().unwrap();
+            times.extend(app.trace().edits.iter().map(|e| 1e3 * e.seconds));
+            times.sort_by(f64::total_cmp);
+            let faces = app.shown().unwrap().mesh().face_count();
+            println!(
+                "{model:20} {faces:6} {name:10} {:10.0} {:10.0} {:14.1}",
+                times[times.len() / 2],
+                times.last().unwrap(),
+                1e3 * app.trace().longest().as_secs_f64(),
+            );
+        }
+    }
+}
+
+/// Frames until everything asked for is shown.
+fn settle(harness: &mut Harness<'_, Option<App>>) {
+    let begin = Instant::now();
+    loop {
+        harness.step();
+        if harness.state().as_ref().unwrap().is_idle() {
+            return;
+        }
+        assert!(begin.elapsed() < Duration::from_secs(120), "work goes on for ever");
+        std::thread::sleep(Duration::from_millis(4));
+    }
+}

@@ -1,0 +1,118 @@
+//! What the window looks like: pictures that are kept for who looks, and what must be seen in them.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+use crate::common::Bench;
+use egui_kittest::kittest::{NodeT, Queryable};
+use lapped::job::Link;
+use lapped::job::project::Direction;
+use lapped::viewer::Mode;
+use lapped::viewer::lines::Lines;
+
+/// Pixels of two pictures that differ.
+fn differ(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
+    a.pixels().zip(b.pixels()).filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 12)).count()
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn lines_lie_over_the_surface_and_singularities_are_counted() {
+    let mut bench = Bench::new([1280.0, 720.0], 1.0);
+    bench.begin("dragonling", "scales");
+    let plain = bench.picture("textured");
+    let all = [
+        ("arrows", Lines { arrows: true, singularities: true, ..Lines::default() }),
+        ("streamlines", Lines { streamlines: true, ..Lines::default() }),
+        ("edges", Lines { edges: true, ..Lines::default() }),
+    ];
+    for (name, lines) in all {
+        bench.app_mut().lines = lines;
+        bench.settle();
+        let drawn = bench.picture(name);
+        let changed = differ(&plain, &drawn);
+        assert!(changed > 3000, "{name}: {changed} pixels differ");
+    }
+    bench.app_mut().edit("direction", |p| p.direction = Direction::Relaxed(4));
+    bench.app_mut().lines = Lines { arrows: true, singularities: true, ..Lines::default() };
+    bench.settle();
+    let sum = lapped::field::turning_points(bench.app().shown().unwrap().mesh(), bench.app().shown().unwrap().field().unwrap());
+    let mesh = bench.app().shown().unwrap().mesh();
+    let parts: i64 = sum.iter().map(|s| i64::from(s.parts)).sum();
+    assert_eq!(parts, 4 * mesh.euler_characteristic(), "Poincare and Hopf");
+    bench.picture("four-ways");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn the_window_is_readable_at_every_size_and_scale() {
+    for (name, size, scale) in [("narrow", [620.0, 480.0], 1.0), ("tiny", [480.0, 320.0], 1.0), ("dense", [960.0, 540.0], 2.0)] {
+        let mut bench = Bench::new(size, scale);
+        bench.harness.run_steps(3);
+        bench.picture(&format!("welcome-{name}"));
+        bench.begin("vase", "bricks");
+        bench.picture(&format!("vase-{name}"));
+        let rect = bench.app().viewport.rect();
+        assert!(rect.width() > 0.35 * size[0] && rect.height() > 0.6 * size[1], "{name}: the view has {rect:?}");
+    }
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn split_light_help_and_long_names() {
+    let mut bench = Bench::new([1280.0, 720.0], 1.0);
+    bench.begin("vase", "bricks");
+    bench.app_mut().viewport.split = Some(0.5);
+    bench.settle();
+    let split = bench.picture("split");
+    bench.app_mut().viewport.modes = [Mode::Draws, Mode::Stretch];
+    bench.settle();
+    assert!(differ(&split, &bench.picture("figures-in-colours")) > 20_000, "other modes, other colours");
+    bench.harness.key_press(egui::Key::F1);
+    bench.harness.run_steps(3);
+    bench.picture("help");
+    bench.harness.key_press(egui::Key::Escape);
+    bench.harness.key_press(egui::Key::L);
+    bench.app_mut().viewport.modes = [Mode::Single, Mode::Pastes];
+    bench.settle();
+    bench.picture("light");
+    // A model and an exemplar with names of their own.
+    let name = "a-scan-of-the-north-portal-of-the-cathedral-after-cleaning-2024-03-17-final.ply";
+    let [model, image] = [name, "weathered-limestone-with-lichen-and-traces-of-paint.png"].map(|n| bench.home.path().join(n));
+    let mesh = b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+    std::fs::write(&model, mesh).unwrap();
+    image::RgbImage::from_fn(64, 64, |x, y| image::Rgb([(4 * x) as u8, 128, (4 * y) as u8])).save(&image).unwrap();
+    bench.app_mut().open_all(&[model, image]);
+    bench.settle();
+    assert_eq!(bench.app().shown().unwrap().open.cleaned.mesh.face_count(), 4, "{}", bench.told());
+    bench.picture("long-names");
+    let labels: Vec<String> = bench.harness.root().children_recursive().filter_map(|n| n.accesskit_node().value()).collect();
+    assert!(!labels.iter().any(|l| l.contains(name)), "the long name is shortened");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn an_atlas_is_baked_and_a_synthesis_appears() {
+    let mut bench = Bench::new([1000.0, 640.0], 1.0);
+    bench.begin("knot", "pebbles");
+    bench.app_mut().edit("direction", |p| p.direction = Direction::Relaxed(1));
+    bench.settle();
+    let single = bench.picture("before-atlas");
+    for mode in [Mode::Atlas, Mode::Synthesis] {
+        bench.app_mut().viewport.modes[0] = mode;
+        bench.harness.run_steps(3);
+        bench.settle();
+        bench.picture(&format!("{mode:?}").to_lowercase());
+        assert!(bench.told().is_empty(), "{mode:?}: {}", bench.told());
+    }
+    let atlas = {
+        bench.app_mut().viewport.modes[0] = Mode::Atlas;
+        bench.settle();
+        bench.picture("atlas")
+    };
+    let apart = differ(&single, &atlas);
+    assert!(apart < 120_000, "the bake looks like what was baked: {apart} pixels differ");
+    bench.app_mut().set_model(Link::BuiltIn("vase".into()));
+    bench.settle();
+    assert!(bench.told().is_empty(), "{}", bench.told());
+}
