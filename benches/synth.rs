@@ -9,6 +9,9 @@
 
 #![expect(clippy::print_stdout, reason = "the table is what this program is for")]
 
+mod common;
+
+use common::{Clock, sphere};
 use glam::{DVec3, Vec3};
 use lapped::compare::fidelity;
 use lapped::exemplar::Exemplar;
@@ -24,52 +27,6 @@ use lapped::progress::Silent;
 use lapped::synth::{Levels, Place, SearchKind, Source, SynthOptions, VertexTexture, combed_right, random_right, synthesize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-
-/// A clock of the wall and of the processor.
-struct Clock(Instant, f64);
-
-impl Clock {
-    fn start() -> Self {
-        Self(Instant::now(), processor())
-    }
-
-    fn told(&self) -> String {
-        format!("{:6.2} ({:6.2})", self.0.elapsed().as_secs_f64(), processor() - self.1)
-    }
-}
-
-/// Processor seconds of this process so far; 0 where the system does not say.
-fn processor() -> f64 {
-    let ticks = || -> Option<f64> {
-        let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-        Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
-    };
-    ticks().unwrap_or(0.0) / 100.0
-}
-
-/// The unit sphere: an octahedron cut in four `rounds` times.
-fn sphere(rounds: u32) -> Mesh {
-    let mut positions = vec![Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
-    let mut faces: Vec<[u32; 3]> = vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
-    for _ in 0..rounds {
-        let mut middle = std::collections::BTreeMap::new();
-        let mut of = |a: u32, b: u32, positions: &mut Vec<Vec3>| {
-            *middle.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                positions.push(((positions[a as usize] + positions[b as usize]) / 2.0).normalize());
-                positions.len() as u32 - 1
-            })
-        };
-        faces = faces
-            .iter()
-            .flat_map(|&[a, b, c]| {
-                let (ab, bc, ca) = (of(a, b, &mut positions), of(b, c, &mut positions), of(c, a, &mut positions));
-                [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
-            })
-            .collect();
-    }
-    Mesh::new(positions, faces).expect("an octahedron")
-}
 
 fn tiled(mesh: &Mesh, vertices: usize, levels: usize) -> Pyramid {
     let options = RetileOptions { vertices, ..RetileOptions::default() };

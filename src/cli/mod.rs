@@ -19,6 +19,7 @@ pub mod report;
 pub mod retile;
 pub mod shell;
 pub mod synth;
+pub mod synth_round;
 mod vertex_output;
 #[cfg(feature = "viewer")]
 pub mod view;

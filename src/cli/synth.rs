@@ -5,17 +5,19 @@ use super::bar::Bar;
 use super::channels::ChannelArgs;
 use super::picture::{self, Size};
 use super::region::{found_steer, steer_of};
+use super::synth_round::{self, RoundArgs};
 use super::vertex_output;
 use super::{Common, report};
 use crate::exemplar::{Channel, Exemplar, MipChain};
 use crate::format::{Model, check_output, export, read_exemplar, read_model};
+use crate::job::synth::VERTICES;
 use crate::job::{
     BakeJob, Density, Direction, Painted, Steer, SynthJob, SynthJobError, SynthReport, Synthesized, bake_model, synthesize_on,
     transfer,
 };
-use crate::mesh::{CleanOptions, CleanReport, Cleaned, clean};
+use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, clean};
 use crate::render::{View, sheet};
-use crate::synth::{OnMesh, SearchKind, SynthOptions, Window};
+use crate::synth::{OnMesh, SearchKind, SynthOptions, VertexTexture, Window};
 use anyhow::{Context, bail};
 use clap::Args;
 use glam::DVec3;
@@ -48,13 +50,13 @@ Examples:
 The mesh that comes out is another one: the surface with evenly spread vertices, each of which stands for a pixel. More vertices
 make a finer texture, not a sharper one (--vertices), unless the exemplar has more pixels (--exemplar-size).")]
 pub struct SynthArgs {
-    /// The mesh: OBJ, PLY, STL, glTF or GLB
+    /// The mesh: OBJ, PLY, STL, glTF or GLB; with --plane there is none, and the exemplar is all there is to name
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
     /// The example image, or a folder or file prefix of a material set; or a mesh with colours at its vertices
-    #[arg(value_name = "EXEMPLAR")]
-    pub exemplar: PathBuf,
-    /// Where to write the result: .glb (colours in COLOR_0) or .ply
+    #[arg(value_name = "EXEMPLAR", required_unless_present = "plane", conflicts_with = "plane")]
+    pub exemplar: Option<PathBuf>,
+    /// Where to write the result: .glb (colours in COLOR_0) or .ply; with --plane .png
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
     /// The image over the texture coordinates of an exemplar that is a mesh
@@ -63,6 +65,10 @@ pub struct SynthArgs {
     /// How
     #[arg(long, value_enum, default_value_t = Method::WeiLevoy)]
     pub method: Method,
+    /// Synthesise an image of this size instead of a surface, by `--method chen-dong`; other channels than colour are written beside
+    /// it, each under its name
+    #[arg(long, value_name = "WxH", conflicts_with_all = ["vertices", "scale", "bake", "displace", "preview"])]
+    pub plane: Option<Size>,
 
     /// Vertices: each stands for a pixel of the exemplar, so more of them make the texture smaller on the surface [default: 24576]
     #[arg(long, value_name = "N", conflicts_with = "scale", help_heading = "Size and direction")]
@@ -101,24 +107,29 @@ pub struct SynthArgs {
     pub displace: Option<f64>,
 
     /// How to search: `fast` continues what neighbours show where that fits, `tsvq` and `exhaustive` are Wei's and Levoy's
-    #[arg(long, value_enum, default_value_t = SearchArg::Fast, help_heading = "Method")]
-    pub search: SearchArg,
+    /// [default: fast]
+    #[arg(long, value_enum, help_heading = "Method")]
+    pub search: Option<SearchArg>,
     /// What the paper does: its neighbourhoods, one pass a level, the vertex in its own neighbourhood
     #[arg(long, help_heading = "Method")]
     pub paper: bool,
-    /// Levels at most
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u64).range(1..=8), help_heading = "Method")]
-    pub levels: u64,
+    /// Levels at most [default: 4; with chen-dong 2]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=8), help_heading = "Method")]
+    pub levels: Option<u64>,
     /// Neighbourhoods from the coarsest level to the finest: sides and levels each reaches over [default: 3x3,1 5x5,2 7x7,2 7x7,2;
     /// with --paper 1x1,1 3x3,2 5x5,2 7x7,2]
     #[arg(long, value_name = "WINDOWS", value_parser = windows, help_heading = "Method")]
     pub windows: Option<Windows>,
-    /// Passes over each level from the coarsest to the finest; more take longer and mend more [default: 4,4,2,1; with --paper 1]
+    /// Passes over each level from the coarsest to the finest; more take longer and mend more [default: 4,4,2,1; with --paper 1;
+    /// with chen-dong a number for all levels but the coarsest, 1]
     #[arg(long, value_name = "N,N,...", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(0..=100), help_heading = "Method")]
     pub passes: Option<Vec<u16>>,
     /// Whether the exemplar goes on over its edges; `auto` compares opposite edges
     #[arg(long, value_enum, default_value_t = EdgesArg::Auto, help_heading = "Method")]
     pub edges: EdgesArg,
+    /// See [`RoundArgs`].
+    #[command(flatten)]
+    pub round: RoundArgs,
     /// Seed of all random choices
     #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Method")]
     pub seed: u64,
@@ -153,6 +164,8 @@ pub struct SynthArgs {
 pub enum Method {
     /// Wei and Levoy 2001: neighbourhoods on re-tiled meshes, matched level by level
     WeiLevoy,
+    /// Chen and Dong 2008: circles around the mesh's own vertices, marched once for all textures and directions
+    ChenDong,
 }
 
 /// Names of [`SearchKind`].
@@ -206,22 +219,25 @@ struct RunReport {
 /// # Errors
 /// If a file cannot be read or written, or the job cannot be done.
 pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
+    match args.method {
+        Method::WeiLevoy => run_levels(args),
+        Method::ChenDong => synth_round::run(args),
+    }
+}
+
+fn run_levels(args: &SynthArgs) -> anyhow::Result<()> {
+    args.round.refuse()?;
+    if args.plane.is_some() {
+        bail!("--plane goes with --method chen-dong");
+    }
     let begin = Instant::now();
     let kind = vertex_output::kind(&args.output)?;
-    let bake_kind = args.bake.as_deref().map(export::Kind::of).transpose()?;
+    args.bake.as_deref().map(export::Kind::of).transpose()?;
     [Some(&args.output), args.preview.as_ref(), args.bake.as_ref(), args.common.report.as_ref()]
         .into_iter()
         .flatten()
         .try_for_each(|p| check_output(p))?;
-    if args.crease.is_some_and(|c| !(c > 0.0 && c < 180.0)) {
-        bail!("--crease is {}: give an angle between 0 and 180 degrees", args.crease.unwrap_or_default());
-    }
-    if !(args.weld >= 0.0 && args.weld.is_finite()) {
-        bail!("--weld is {}: give a length in world units, 0 or more", args.weld);
-    }
-    if args.displace.is_some_and(|d| !d.is_finite()) {
-        bail!("--displace is {}: give a length in world units", args.displace.unwrap_or_default());
-    }
+    check(args)?;
     let name = || args.mesh.display().to_string();
     let exemplar = exemplar(args)?;
     let model = read_model(&args.mesh)?;
@@ -229,30 +245,17 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
     let cleaned =
         clean(&model.positions, &model.faces, &CleanOptions { weld: args.weld, ..CleanOptions::default() }).with_context(name)?;
     let axis = args.up.unwrap_or(DVec3::Y);
-    let direction = match args.field.as_str() {
-        "random" => Direction::Random,
-        "none" => Direction::Steered(Steer::Isotropic(None)),
-        "up" => Direction::Steered(Steer::Up(axis)),
-        _ if args.up.is_some() => bail!("--up goes with --field up"),
-        "auto" => Direction::Steered(match &exemplar {
-            Given::Image(image) => found_steer(image, &args.common),
-            Given::Mesh(..) => Steer::Relaxed(1),
-        }),
-        named => Direction::Steered(steer_of(named, axis)?),
+    let steer = || match &exemplar {
+        Given::Image(image) => found_steer(image, &args.common),
+        Given::Mesh(..) => Steer::Relaxed(1),
     };
+    let direction = direction(args, axis, steer)?;
     let options = options(args);
     let job = SynthJob {
-        density: match (args.vertices, args.scale) {
-            (_, Some(scale)) => Density::Scale(scale),
-            (vertices, None) => Density::Vertices(vertices.unwrap_or(crate::job::synth::VERTICES)),
-        },
-        levels: args.levels as usize,
+        density: density(args),
+        levels: args.levels.unwrap_or(4) as usize,
         side: args.exemplar_size,
-        tiles: match args.edges {
-            EdgesArg::Auto => None,
-            EdgesArg::Tile => Some(true),
-            EdgesArg::Inside => Some(false),
-        },
+        tiles: tiles(args),
         direction,
         crease: args.crease.map(f64::to_radians),
         nearest: args.paper,
@@ -265,7 +268,10 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
             let base = image.as_ref().and_then(|e| e.channel(Channel::BaseColor)).map(MipChain::finest);
             let missing = if base.is_some() { "texture coordinates" } else { "colours at its vertices" };
             let texture = Painted::new(model, &from.mesh, &from.user_faces, base).with_context(|| {
-                format!("{}: it has no {missing}: give one that has, or an image with --exemplar-texture", args.exemplar.display())
+                format!(
+                    "{}: it has no {missing}: give one that has, or an image with --exemplar-texture",
+                    exemplar_path(args).display()
+                )
             })?;
             transfer(&cleaned, from, &texture, &job, &bar)
         }
@@ -273,38 +279,22 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
     bar.finish();
     let made = done.map_err(|e| match e {
         SynthJobError::Field(_) => anyhow::Error::new(e).context(args.field.clone()),
-        SynthJobError::Scale { .. } => anyhow::Error::new(e).context("--scale"),
+        SynthJobError::Scale(_) => anyhow::Error::new(e).context("--scale"),
         e => anyhow::Error::new(e).context(name()),
     })?;
     if args.displace.is_some() && made.texture.channel(Channel::Height).is_none() {
-        bail!("{}: --displace needs a height channel: name one with --height", args.exemplar.display());
+        bail!("{}: --displace needs a height channel: name one with --height", exemplar_path(args).display());
     }
     let moved = args.displace.map(|depth| made.texture.displaced(depth));
     let mesh = moved.as_ref().unwrap_or(&made.texture.mesh);
     vertex_output::write(&args.output, kind, &model.name, mesh, &made.texture)?;
-    if let (Some(path), Some(kind)) = (&args.bake, bake_kind) {
-        // What was made lies on another mesh; each point of the model's own looks at the nearest one there.
-        let texture = OnMesh::new(&cleaned.mesh, &made.texture);
-        let job = BakeJob::sized(args.bake_size);
-        let baked = bake_model(&model, &cleaned.mesh, &cleaned.user_faces, &texture, &job, &bar);
-        bar.finish();
-        let baked = baked.with_context(name)?;
-        let generator = concat!("lapped ", env!("CARGO_PKG_VERSION"));
-        export::write_look(path, kind, &export::Export { model: &baked.model, look: &baked.look, generator })?;
-        if !args.common.quiet {
-            let _ = writeln!(std::io::stdout(), "{}: {}", path.display(), in_words(&baked.report));
-        }
-    }
-    if let Some(path) = &args.preview {
-        let options = picture::views(args.camera, args.preview_size.0, 2, false, picture::up_axis(args.up));
-        picture::save(path, &sheet(mesh, &made.texture, &options)?)?;
-    }
+    write_more(args, &model, &cleaned, &made.texture, mesh)?;
     summary(args, &made, begin.elapsed().as_secs_f64());
     if let Some(path) = &args.common.report {
         let report = RunReport {
             command: "synth",
             mesh: name(),
-            exemplar: args.exemplar.display().to_string(),
+            exemplar: exemplar_path(args).display().to_string(),
             output: args.output.display().to_string(),
             threads: rayon::current_num_threads(),
             vertices: mesh.vertex_count(),
@@ -317,6 +307,83 @@ pub fn run(args: &SynthArgs) -> anyhow::Result<()> {
         report::write(path, &report)?;
     }
     Ok(())
+}
+
+/// The exemplar's path: with --plane it is the only one.
+pub(super) fn exemplar_path(args: &SynthArgs) -> &Path {
+    args.exemplar.as_deref().unwrap_or(&args.mesh)
+}
+
+/// Checks what both methods take.
+pub(super) fn check(args: &SynthArgs) -> anyhow::Result<()> {
+    if args.crease.is_some_and(|c| !(c > 0.0 && c < 180.0)) {
+        bail!("--crease is {}: give an angle between 0 and 180 degrees", args.crease.unwrap_or_default());
+    }
+    if !(args.weld >= 0.0 && args.weld.is_finite()) {
+        bail!("--weld is {}: give a length in world units, 0 or more", args.weld);
+    }
+    if args.displace.is_some_and(|d| !d.is_finite()) {
+        bail!("--displace is {}: give a length in world units", args.displace.unwrap_or_default());
+    }
+    Ok(())
+}
+
+/// Writes the bake and the preview that are asked for; `mesh` is the texture's own or that one displaced.
+pub(super) fn write_more(
+    args: &SynthArgs,
+    model: &Model,
+    cleaned: &Cleaned,
+    texture: &VertexTexture,
+    mesh: &Mesh,
+) -> anyhow::Result<()> {
+    if let Some(path) = &args.bake {
+        let kind = export::Kind::of(path)?;
+        // What was made lies on another mesh; each point of the model's own looks at the nearest one there.
+        let shown = OnMesh::new(&cleaned.mesh, texture);
+        let bar = Bar::new(args.common.quiet);
+        let baked = bake_model(model, &cleaned.mesh, &cleaned.user_faces, &shown, &BakeJob::sized(args.bake_size), &bar);
+        bar.finish();
+        let baked = baked.with_context(|| args.mesh.display().to_string())?;
+        let generator = concat!("lapped ", env!("CARGO_PKG_VERSION"));
+        export::write_look(path, kind, &export::Export { model: &baked.model, look: &baked.look, generator })?;
+        if !args.common.quiet {
+            let _ = writeln!(std::io::stdout(), "{}: {}", path.display(), in_words(&baked.report));
+        }
+    }
+    if let Some(path) = &args.preview {
+        let options = picture::views(args.camera, args.preview_size.0, 2, false, picture::up_axis(args.up));
+        picture::save(path, &sheet(mesh, texture, &options)?)?;
+    }
+    Ok(())
+}
+
+/// Which way the texture lies; `steer` is asked for `auto`.
+pub(super) fn direction(args: &SynthArgs, axis: DVec3, steer: impl Fn() -> Steer) -> anyhow::Result<Direction> {
+    Ok(match args.field.as_str() {
+        "random" => Direction::Random,
+        "none" => Direction::Steered(Steer::Isotropic(None)),
+        "up" => Direction::Steered(Steer::Up(axis)),
+        _ if args.up.is_some() => bail!("--up goes with --field up"),
+        "auto" => Direction::Steered(steer()),
+        named => Direction::Steered(steer_of(named, axis)?),
+    })
+}
+
+/// How many vertices.
+pub(super) fn density(args: &SynthArgs) -> Density {
+    match (args.vertices, args.scale) {
+        (_, Some(scale)) => Density::Scale(scale),
+        (vertices, None) => Density::Vertices(vertices.unwrap_or(VERTICES)),
+    }
+}
+
+/// Whether the exemplar tiles, if that is said.
+pub(super) const fn tiles(args: &SynthArgs) -> Option<bool> {
+    match args.edges {
+        EdgesArg::Auto => None,
+        EdgesArg::Tile => Some(true),
+        EdgesArg::Inside => Some(false),
+    }
 }
 
 /// What is synthesised from.
@@ -332,15 +399,15 @@ fn exemplar(args: &SynthArgs) -> anyhow::Result<Given> {
         told.iter().for_each(|w| args.common.pass_on(w));
         Ok(Box::new(exemplar))
     };
-    let ending = args.exemplar.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
+    let ending = exemplar_path(args).extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     if !matches!(ending.as_deref(), Some("obj" | "ply" | "stl" | "gltf" | "glb")) {
         if let Some(image) = &args.exemplar_texture {
             bail!("{}: --exemplar-texture goes with an exemplar that is a mesh", image.display());
         }
-        return Ok(Given::Image(read(&args.exemplar)?));
+        return Ok(Given::Image(read(exemplar_path(args))?));
     }
-    let name = || args.exemplar.display().to_string();
-    let model = read_model(&args.exemplar)?;
+    let name = || exemplar_path(args).display().to_string();
+    let model = read_model(exemplar_path(args))?;
     let cleaned = clean(&model.positions, &model.faces, &CleanOptions::default()).with_context(name)?;
     let image = args.exemplar_texture.as_deref().map(read).transpose()?;
     Ok(Given::Mesh(Box::new(model), Box::new(cleaned), image))
@@ -352,9 +419,9 @@ fn options(args: &SynthArgs) -> SynthOptions {
         windows: args.windows.as_ref().map_or(usual.windows, |w| w.0.clone()),
         passes: args.passes.as_ref().map_or(usual.passes, |p| p.iter().map(|&n| usize::from(n)).collect()),
         search: match args.search {
-            SearchArg::Fast => SearchKind::Fast,
-            SearchArg::Tsvq => SearchKind::Tsvq,
-            SearchArg::Exhaustive => SearchKind::Exhaustive,
+            None | Some(SearchArg::Fast) => SearchKind::Fast,
+            Some(SearchArg::Tsvq) => SearchKind::Tsvq,
+            Some(SearchArg::Exhaustive) => SearchKind::Exhaustive,
         },
         seed: args.seed,
         ..usual

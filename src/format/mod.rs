@@ -27,7 +27,7 @@ pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_exempl
 pub use model::{FaceGroup, Model, Source};
 pub use motion::{Motion, MotionError};
 pub use output::{abandon_outputs, check_output, write_file};
-pub use picture::save_image;
+pub use picture::{save_channel, save_image};
 pub use record::{Record, holds_record, read_record, read_record_bytes, write_record};
 
 use std::path::Path;

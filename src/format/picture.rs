@@ -202,7 +202,15 @@ pub(crate) fn encode_png(image: &Image, transfer: Transfer) -> Result<Vec<u8>, S
 /// # Errors
 /// If the file cannot be written; nothing is left behind then.
 pub fn save_image(path: &Path, image: &Image) -> Result<(), FormatError> {
-    let png = encode_png(image, Transfer::Srgb).map_err(|what| FormatError::Write {
+    save_channel(path, image, Channel::BaseColor)
+}
+
+/// Saves an image of a channel as PNG, its numbers as files of that channel hold them.
+///
+/// # Errors
+/// As [`save_image`].
+pub fn save_channel(path: &Path, image: &Image, channel: Channel) -> Result<(), FormatError> {
+    let png = encode_png(image, Transfer::of(channel)).map_err(|what| FormatError::Write {
         path: path.to_owned(),
         what,
         remedy: "choose another size".into(),

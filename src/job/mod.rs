@@ -8,6 +8,7 @@
 pub mod area;
 pub mod bake;
 pub mod bind;
+pub mod directions;
 pub mod displace;
 pub mod estimate;
 pub mod moving;
@@ -15,11 +16,13 @@ pub mod painted;
 pub mod paste;
 pub mod project;
 pub mod regions;
+pub mod round;
 pub mod synth;
 
 pub use area::{Area, AreaError, Where};
 pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record, bake_record_sized};
 pub use bind::Bound;
+pub use directions::Direction;
 pub use displace::{Displace, displace_mesh};
 pub use estimate::{Estimate, Work, available_memory};
 pub use moving::Moving;
@@ -27,4 +30,7 @@ pub use painted::Painted;
 pub use paste::{ExemplarInput, JobError, JobReport, Laid, PasteJob, Pasted, Scale, Steer, cut_patches, lay, paste_model};
 pub use project::{Link, Project, ProjectError, ProjectExemplar};
 pub use regions::{Region, RegionReport, paste_regions};
-pub use synth::{Density, Direction, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on, transfer};
+pub use round::{
+    Marched, Refined, RoundJob, RoundJobError, RoundReport, Rounded, march, synthesize_marched, synthesize_plane_image,
+};
+pub use synth::{Density, ScaleError, SynthJob, SynthJobError, SynthReport, Synthesized, synthesize_on, transfer};

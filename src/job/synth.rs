@@ -5,24 +5,19 @@
 //! 3. Directions are found for the vertices of every level.
 //! 4. `synth` matches level by level.
 
+use super::directions::{Direction, Way, directions};
 use super::paste::Steer;
 use crate::exemplar::stack::{self, Stack, resized, tiles};
 use crate::exemplar::{Channel, Exemplar, Wrap};
-use crate::field::nway::align::least_curvature;
-use crate::field::nway::{NWayOptions, NWaySolver, Over, on_pyramid};
-use crate::field::{FieldError, FieldOptions, TangentField, constrained, default_scale};
-use crate::mesh::curvature::curvature;
+use crate::field::FieldError;
 use crate::mesh::nearest::Nearest;
 use crate::mesh::pyramid::{Pyramid, pyramid};
 use crate::mesh::retile::{MAX_VERTICES, RetileError, RetileOptions, RetileStatistics};
 use crate::mesh::{Cleaned, Mesh};
 use crate::progress::Progress;
 use crate::surface::{SurfaceTexture, Texel};
-use crate::synth::{
-    Frame, LevelDone, Levels, Source, SynthError, SynthOptions, SynthStatistics, VertexTexture, combed_right, random_right,
-    synthesize,
-};
-use glam::{DVec2, DVec3, Vec3};
+use crate::synth::{Frame, LevelDone, Levels, Source, SynthError, SynthOptions, SynthStatistics, VertexTexture, synthesize};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::time::Instant;
@@ -48,13 +43,33 @@ pub enum Density {
     Scale(f64),
 }
 
-/// Which way the texture lies.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Direction {
-    /// Another way at every vertex (WL 3.1).
-    Random,
-    /// As in pasting; without a direction there, the smoothest field is used.
-    Steered(Steer),
+impl Density {
+    /// The number of vertices on a mesh, each standing for a pixel of an exemplar `width` pixels wide.
+    ///
+    /// # Errors
+    /// If a scale asks for too few or too many.
+    pub fn vertices(self, mesh: &Mesh, width: u32) -> Result<usize, ScaleError> {
+        match self {
+            Self::Vertices(n) => Ok(n),
+            Self::Scale(scale) => {
+                let vertices = mesh.total_area() / (scale / f64::from(width)).powi(2);
+                if !(scale > 0.0 && (4.0..=MAX_VERTICES as f64).contains(&vertices)) {
+                    return Err(ScaleError { scale, vertices });
+                }
+                Ok(vertices.round() as usize)
+            }
+        }
+    }
+}
+
+/// A scale that is none, or asks for too much.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("a scale of {scale} asks for {vertices:.3e} vertices: give one that asks for 4 to {MAX_VERTICES}")]
+pub struct ScaleError {
+    /// The scale.
+    pub scale: f64,
+    /// Vertices it asks for.
+    pub vertices: f64,
 }
 
 /// A job.
@@ -93,18 +108,19 @@ impl Default for SynthJob {
     }
 }
 
+impl SynthJob {
+    fn way(&self) -> Way<'_> {
+        Way { direction: &self.direction, nearest: self.nearest, seed: self.options.seed }
+    }
+}
+
 /// Why a job fails.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SynthJobError {
     /// A scale that is none, or asks for too much.
-    #[error("a scale of {scale} asks for {vertices:.3e} vertices: give one that asks for 4 to {MAX_VERTICES}")]
-    Scale {
-        /// The scale.
-        scale: f64,
-        /// Vertices it asks for.
-        vertices: f64,
-    },
+    #[error(transparent)]
+    Scale(#[from] ScaleError),
     /// The mesh cannot be re-tiled so.
     #[error(transparent)]
     Retile(#[from] RetileError),
@@ -192,7 +208,7 @@ pub fn synthesize_on(
     let retile_seconds = start.elapsed().as_secs_f64();
     let retile = pyramid.levels.iter().map(|l| l.statistics).collect();
     let start = Instant::now();
-    let (right, singularities) = directions(cleaned, &pyramid, job, progress)?;
+    let (right, singularities) = directions(cleaned, &pyramid, &job.way(), progress)?;
     let levels = Levels::of_pyramid(pyramid, right);
     let field_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -234,10 +250,10 @@ pub fn transfer(
     let retile_seconds = start.elapsed().as_secs_f64();
     let retile = pyramid.levels.iter().map(|l| l.statistics).collect();
     let start = Instant::now();
-    let (right, singularities) = directions(cleaned, &pyramid, job, progress)?;
+    let (right, singularities) = directions(cleaned, &pyramid, &job.way(), progress)?;
     let levels = Levels::of_pyramid(pyramid, right);
     // The exemplar's directions are those of its own smoothest field, unless there is something to follow on it too.
-    let (right, _) = directions(from, &exemplar_pyramid, &follow(job), progress)?;
+    let (right, _) = directions(from, &exemplar_pyramid, &follow(job).way(), progress)?;
     let exemplar_levels = Levels::of_pyramid(exemplar_pyramid, right);
     let field_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
@@ -313,16 +329,7 @@ fn painted(from: &Cleaned, texture: &dyn SurfaceTexture, levels: &Levels) -> Ver
 
 /// The re-tiled levels; as many of the `count` as the surface has room for. An exemplar is `width` pixels wide.
 fn retiled(mesh: &Mesh, width: u32, job: &SynthJob, count: usize, progress: &dyn Progress) -> Result<Pyramid, SynthJobError> {
-    let vertices = match job.density {
-        Density::Vertices(n) => n,
-        Density::Scale(scale) => {
-            let vertices = mesh.total_area() / (scale / f64::from(width)).powi(2);
-            if !(scale > 0.0 && (4.0..=MAX_VERTICES as f64).contains(&vertices)) {
-                return Err(SynthJobError::Scale { scale, vertices });
-            }
-            vertices.round() as usize
-        }
-    };
+    let vertices = job.density.vertices(mesh, width)?;
     let options = RetileOptions { vertices, crease: job.crease, seed: job.options.seed, ..RetileOptions::default() };
     let mut count = count.min((1..).take_while(|k| vertices >> (2 * k).min(60) >= FEWEST).count() + 1);
     loop {
@@ -332,71 +339,4 @@ fn retiled(mesh: &Mesh, width: u32, job: &SynthJob, count: usize, progress: &dyn
             made => return Ok(made?),
         }
     }
-}
-
-type Right = Vec<Vec<DVec3>>;
-
-fn directions(
-    cleaned: &Cleaned,
-    pyramid: &Pyramid,
-    job: &SynthJob,
-    progress: &dyn Progress,
-) -> Result<(Right, Option<usize>), SynthJobError> {
-    let mesh = &cleaned.mesh;
-    let relaxed = |n: u32| {
-        let options = NWayOptions { nearest: job.nearest, seed: job.options.seed, ..NWayOptions::default() };
-        let fields = on_pyramid(pyramid, n, &options, progress);
-        let right = pyramid.levels.iter().zip(&fields.fields).map(|(l, f)| combed_right(&l.mesh, f)).collect();
-        (right, fields.statistics.first().map(|s| s.singularities))
-    };
-    let up = |axis: DVec3| {
-        let level = |mesh: &Mesh| mesh.vertex_normals().iter().map(|n| axis.cross(n.as_dvec3())).collect();
-        pyramid.levels.iter().map(|l| level(&l.mesh)).collect()
-    };
-    Ok(match &job.direction {
-        Direction::Random => (random_right(pyramid, job.options.seed), None),
-        Direction::Steered(Steer::Isotropic(_)) => relaxed(1),
-        Direction::Steered(Steer::Relaxed(n)) => relaxed(*n),
-        Direction::Steered(Steer::Up(axis)) => (up(*axis), None),
-        Direction::Steered(Steer::Curvature) => {
-            let level = |mesh: &Mesh| {
-                let solver = NWaySolver::new(mesh, Over::Vertices, 2);
-                let mut wishes = vec![DVec2::ZERO; mesh.vertex_count()];
-                least_curvature(mesh, &solver.table, 2, &mut wishes, &curvature(mesh), 1.0);
-                combed_right(mesh, &solver.solve(&wishes, &NWayOptions::default(), progress).0)
-            };
-            (pyramid.levels.iter().map(|l| level(&l.mesh)).collect(), None)
-        }
-        Direction::Steered(Steer::Constraints(constraints, axis)) => {
-            let scale = default_scale(mesh, crate::field::DEFAULT_RATIO, 1.0);
-            let axis = constraints.axis(*axis);
-            let anchors = constraints.anchors(mesh, Some(&cleaned.user_faces), axis, scale)?;
-            let options = FieldOptions { scale, axis, base_weight: constraints.base_weight, ..FieldOptions::default() };
-            (carried(mesh, &constrained(mesh, &anchors, &options)?.0, pyramid), None)
-        }
-        Direction::Steered(Steer::Field(text)) => (carried(mesh, &TangentField::from_json(mesh, text)?, pyramid), None),
-    })
-}
-
-/// A field on the mesh's faces, smoothed over its vertices, read at the vertices of every level.
-fn carried(mesh: &Mesh, field: &TangentField, pyramid: &Pyramid) -> Right {
-    let mut up = vec![DVec3::ZERO; mesh.vertex_count()];
-    for (f, corners) in mesh.faces.iter().enumerate() {
-        let direction = field.up[f].as_dvec3().normalize_or_zero() * mesh.area(f as u32);
-        corners.iter().for_each(|&v| up[v as usize] += direction);
-    }
-    let tree = Nearest::new(mesh);
-    let level = |level: &Mesh| {
-        let normals = level.vertex_normals();
-        let one = |v: usize| {
-            let Some(hit) = tree.nearest(level.point(v as u32)) else { return DVec3::X };
-            let corners = mesh.faces[hit.at.face as usize];
-            let mean: DVec3 = (0..3).map(|k| up[corners[k] as usize].normalize_or_zero() * f64::from(hit.at.bary[k])).sum();
-            // Where they cancel, at a singularity, the face's own direction is as good as any.
-            let up = if mean.length() > 0.1 { mean } else { field.up[hit.at.face as usize].as_dvec3() };
-            Frame::new(normals[v].as_dvec3(), up.cross(normals[v].as_dvec3())).right
-        };
-        (0..level.vertex_count()).into_par_iter().map(one).collect()
-    };
-    pyramid.levels.iter().map(|l| level(&l.mesh)).collect()
 }

@@ -39,6 +39,19 @@ pub fn spacing(mesh: &Mesh) -> f64 {
     (2.0 * mesh.total_area() / mesh.face_count().max(1) as f64).sqrt().max(f64::MIN_POSITIVE)
 }
 
+impl Level {
+    /// A mesh with a direction of texture right at each vertex, and the distance of template samples.
+    #[must_use]
+    pub fn new(mesh: Mesh, right: &[DVec3], spacing: f64) -> Self {
+        let normals = mesh.vertex_normals();
+        let any = |v: usize| right.get(v).copied().unwrap_or(DVec3::X);
+        let frame = |(v, n): (usize, &glam::Vec3)| Frame::new(n.as_dvec3(), any(v));
+        let frames: Vec<Frame> = normals.par_iter().enumerate().with_min_len(1024).map(frame).collect();
+        let fans = Fans::new(&mesh, &frames, spacing);
+        Self { mesh, frames, spacing, fans }
+    }
+}
+
 impl Levels {
     /// Levels from meshes, the finest first, with a direction of texture right at each vertex.
     #[must_use]
@@ -56,13 +69,8 @@ impl Levels {
 
     fn with_parents(meshes: Vec<(Mesh, Vec<DVec3>)>, parents: Vec<Vec<SurfacePoint>>) -> Self {
         let level = |(mesh, right): (Mesh, Vec<DVec3>)| {
-            let normals = mesh.vertex_normals();
-            let any = |v: usize| right.get(v).copied().unwrap_or(DVec3::X);
-            let frame = |(v, n): (usize, &glam::Vec3)| Frame::new(n.as_dvec3(), any(v));
-            let frames: Vec<Frame> = normals.par_iter().enumerate().with_min_len(1024).map(frame).collect();
             let spacing = spacing(&mesh);
-            let fans = Fans::new(&mesh, &frames, spacing);
-            Level { mesh, frames, spacing, fans }
+            Level::new(mesh, &right, spacing)
         };
         Self { levels: meshes.into_iter().map(level).collect(), parents }
     }

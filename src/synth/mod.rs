@@ -6,12 +6,14 @@
 //! The way through: [`Levels`] are meshes with texture frames, a [`Source`] the levels of the exemplar; [`synthesize`] matches one
 //! against the other, and [`VertexTexture`] is the result as a [`crate::surface::SurfaceTexture`].
 
+pub mod batch;
 pub mod convolve;
 mod fan;
 mod flatten;
 mod levels;
 mod neighbourhood;
 mod passes;
+pub mod round;
 mod search;
 mod source;
 mod texture;
@@ -22,7 +24,7 @@ pub use levels::{Level, Levels, combed_right, random_right, spacing};
 pub use passes::{LevelDone, Synthesis, synthesize};
 pub use search::SearchKind;
 pub use source::{MeshSource, Place, Source};
-pub use texture::{OnMesh, VertexTexture};
+pub use texture::{OnMesh, VertexTexture, image_of};
 pub use window::{LONGEST, Window};
 
 use serde::Serialize;

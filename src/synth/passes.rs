@@ -10,6 +10,7 @@
 //! mesh it is the paper's order exactly. What a vertex shows is a place of the exemplar, not only a value: it is where the next
 //! neighbour's continuation starts.
 
+use super::batch::batches;
 use super::levels::Levels;
 use super::neighbourhood::{Neighbourhoods, Values, from_corner};
 use super::search::{Between, Choice, Fast, Nearby, Search, SearchKind, Tsvq, Whole};
@@ -143,24 +144,6 @@ pub fn synthesize(
         coarser_places = std::mem::take(&mut work.places);
     }
     Ok(Synthesis { places: coarser_places, statistics })
-}
-
-/// All vertices in random order, cut into batches.
-fn batches(vertices: usize, count: usize, random: &mut Random) -> Vec<Vec<u32>> {
-    let mut order: Vec<u32> = (0..vertices as u32).collect();
-    for i in (1..order.len()).rev() {
-        order.swap(i, random.below(i as u64 + 1) as usize);
-    }
-    let size = vertices.div_ceil(count.clamp(1, vertices.max(1))).max(1);
-    // Within a batch the order does not matter, and neighbours share memory.
-    order
-        .chunks(size)
-        .map(|b| {
-            let mut b = b.to_vec();
-            b.sort_unstable();
-            b
-        })
-        .collect()
 }
 
 /// The search over a level's candidates.

@@ -53,6 +53,30 @@ fn sample(image: &Image, wrap: Wrap, at: [f32; 2]) -> Vec3 {
     sum.clamp(least, most)
 }
 
+/// All channels of an exemplar at the places that were chosen for the pixels of an image, rows from the top; pixels without a place
+/// take the exemplar's first.
+#[must_use]
+pub fn image_of(size: [u32; 2], exemplar: &Exemplar, places: &[Place]) -> Exemplar {
+    let of = |channel: Channel| {
+        let image = exemplar.channel(channel)?.finest();
+        let value = |x: u32, y: u32| match places.get((y * size[0] + x) as usize) {
+            Some(Place::Pixel(at)) => sample(image, exemplar.wrap, *at),
+            _ => image.pixel(0, 0),
+        };
+        Some(match channel.components() {
+            1 => Image::grey_from_fn(size[0], size[1], |x, y| value(x, y).x),
+            _ => Image::from_fn(size[0], size[1], value),
+        })
+    };
+    let base = of(Channel::BaseColor).unwrap_or_else(|| Image::from_fn(size[0], size[1], |_, _| Vec3::ZERO));
+    let mut out = Exemplar::new(exemplar.name.clone(), base);
+    for channel in exemplar.channels().iter().filter(|&c| c != Channel::BaseColor) {
+        // Size and components are those of the channel itself.
+        let _fits = of(channel).map(|image| out.set(channel, image));
+    }
+    out
+}
+
 impl VertexTexture {
     /// All channels of an exemplar at the places that were chosen for the vertices of a level.
     #[must_use]
