@@ -32,10 +32,10 @@ const COARSEST: usize = 32;
 /// Windows that are followed from each level to the next finer one.
 const KEPT: usize = 4;
 /// Samples of one border on the level where every window is tried, and on finer ones.
-const COARSE_SAMPLES: usize = 128;
-const FINE_SAMPLES: usize = 384;
+const COARSE_SAMPLES: usize = 96;
+const FINE_SAMPLES: usize = 256;
 /// Distance between neighbouring samples, as a share of the mask's longer side.
-const PITCH: f32 = 1.0 / 96.0;
+const PITCH: f32 = 1.0 / 64.0;
 /// How far inside the feather the weight falls to 1/e, as a share of the mask's longer side: a course of bricks that goes on
 /// below is met by the one above.
 const BAND: f32 = 0.03;
@@ -276,7 +276,8 @@ impl Matcher<'_> {
     fn samples(&self, k: u32, pastes: &[Paste], known: &[bool]) -> Vec<Sample> {
         let paste = &pastes[k as usize];
         let patch = &self.lapped.patches[paste.patch as usize];
-        let pitch = self.borders[paste.patch as usize].pitch;
+        let border = &self.borders[paste.patch as usize];
+        let pitch = border.pitch;
         let size = Vec2::from(patch.mask.size().map(|s| s as f32));
         let mut samples = Vec::new();
         let mut marks = Vec::new();
@@ -284,14 +285,18 @@ impl Matcher<'_> {
             let [a, b, c] = uv.map(|p| p * size);
             let (low, high) = (a.min(b).min(c).max(Vec2::ZERO), a.max(b).max(c).min(size));
             let turn = (b - a).perp_dot(c - a);
-            let alone = self.lists.of(face).iter().all(|&(p, _)| p == k || !known[p as usize]);
-            if alone || turn == 0.0 || !low.cmplt(high).all() {
+            let others = || self.lists.of(face).iter().map(|e| e.0).filter(|&p| p != k && known[p as usize]);
+            let bordered = others().any(|p| p > k);
+            if others().next().is_none() || turn == 0.0 || !low.cmplt(high).all() {
                 continue;
             }
             let [first, last] = [(low / pitch).ceil(), (high / pitch).floor()];
             for y in first.y as i32..=last.y as i32 {
                 for x in first.x as i32..=last.x as i32 {
                     let p = Vec2::new(x as f32, y as f32) * pitch;
+                    if !bordered && border.at(p) == 0.0 {
+                        continue;
+                    }
                     let bary = Vec3::new((c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)) / turn;
                     if bary.min_element() < 0.0 {
                         continue;

@@ -19,6 +19,7 @@ use super::viewport::{Given, Viewport};
 use super::watch::room::WatchRoom;
 use super::worker::Lane;
 use crate::job::Project;
+use crate::mesh::Mesh;
 use egui::{Context, Ui};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -371,7 +372,7 @@ impl App {
     pub(super) fn view(&mut self, ui: &mut Ui) {
         let shown = self.shown.clone();
         let mesh = shown.as_deref().map(Shown::mesh);
-        let bounds = mesh.map(|mesh| mesh.bounds()).map(|(low, high)| [low.as_dvec3(), high.as_dvec3()]);
+        let bounds = mesh.map(Mesh::bounds).map(|(low, high)| [low.as_dvec3(), high.as_dvec3()]);
         if let Some(shown) = &shown
             && self.framed.as_ref() != Some(&shown.open.link)
         {

@@ -90,7 +90,7 @@ impl Strips {
 
     fn triangle(&mut self, corners: [DVec3; 3], colour: Vec3) {
         let first = self.positions.len() as u32;
-        self.positions.extend(corners.map(|p| p.as_vec3()));
+        self.positions.extend(corners.map(DVec3::as_vec3));
         self.faces.push([first, first + 1, first + 2]);
         self.colours.push(colour);
     }

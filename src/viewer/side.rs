@@ -57,11 +57,11 @@ impl SideError {
     pub const fn is_cancelled(&self) -> bool {
         use crate::mesh::retile::RetileError;
         use crate::synth::SynthError;
-        match self {
-            Self::Atlas(AtlasError::Cancelled) => true,
-            Self::Synthesis(SynthJobError::Synth(SynthError::Cancelled) | SynthJobError::Retile(RetileError::Cancelled)) => true,
-            _ => false,
-        }
+        matches!(
+            self,
+            Self::Atlas(AtlasError::Cancelled)
+                | Self::Synthesis(SynthJobError::Synth(SynthError::Cancelled) | SynthJobError::Retile(RetileError::Cancelled))
+        )
     }
 }
 
@@ -310,7 +310,15 @@ fn baked(mesh: &Mesh, stage: &Stage<'_>, lapped: &LappedTexture, progress: &dyn 
         }
         out.exemplars.push(exemplar);
         let (exemplar, centre) = (number as u16, Vec2::splat(0.5 * side));
-        out.patches.push(TexturePatch { exemplar, origin: [0, 0], mask: mask.clone(), hull: hull.clone(), centre, weight: 1.0 });
+        out.patches.push(TexturePatch {
+            exemplar,
+            origin: [0, 0],
+            mask: mask.clone(),
+            hull: hull.clone(),
+            centre,
+            weight: 1.0,
+            slides: false,
+        });
         let on_page = |face: &u32| atlas.page[atlas.chart[*face as usize] as usize] == number as u32;
         let faces: Vec<u32> = (0..mesh.face_count() as u32).filter(on_page).collect();
         let uv = faces.iter().map(|&face| atlas.face_uv(face)).collect();
@@ -329,7 +337,7 @@ fn synthesized(
 ) -> Result<(), SideError> {
     let Some(exemplar) = lapped.exemplars.first() else { return Ok(()) };
     let steer = shown.project.job(Some(exemplar)).steer;
-    let direction = crate::job::synth::Direction::Steered(steer);
+    let direction = crate::job::Direction::Steered(steer);
     let job = SynthJob { direction, ..SynthJob::default() };
     let show = |texture: &VertexTexture| -> Result<Subject, SideError> {
         let values = texture.channel(Channel::BaseColor).unwrap_or(&[]);

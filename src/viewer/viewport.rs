@@ -222,9 +222,9 @@ impl Viewport {
         let height = f64::from(self.rect.height());
         if response.dragged_by(egui::PointerButton::Primary) && !held {
             if shift {
-                self.orbit.pan(x, y, height)
+                self.orbit.pan(x, y, height);
             } else {
-                self.orbit.turn(x, y)
+                self.orbit.turn(x, y);
             }
             ui.ctx().set_cursor_icon(CursorIcon::Grabbing);
         }

@@ -195,7 +195,7 @@ mod tests {
     #[test]
     fn of_the_jobs_that_wait_only_the_latest_is_done() {
         let (woken, wake) = channel();
-        let lane: Lane<u32> = Lane::new("test", move || drop(woken.send(())));
+        let lane: Lane<u32> = Lane::new("test", move || woken.send(()).unwrap());
         let (go, gate) = channel::<()>();
         lane.submit(move |_, deliver| {
             let _ = gate.recv();

@@ -3,6 +3,7 @@
 use super::super::action::Action;
 use super::super::app::{App, Loss, Question};
 use super::super::deeds::Purpose;
+use crate::job::Link;
 use egui::{Align2, Context, Grid, Id, Modal, RichText, ScrollArea, TextEdit, Window, vec2};
 use std::path::PathBuf;
 
@@ -25,7 +26,7 @@ pub(super) fn show(app: &mut App, context: &Context) {
             let answer = Modal::new(Id::unique("recover")).show(context, |ui| {
                 ui.set_max_width(380.0);
                 ui.heading("Unsaved work was found");
-                let name = project.model.as_ref().map_or_else(|| "without a model".to_owned(), |m| m.name());
+                let name = project.model.as_ref().map_or_else(|| "without a model".to_owned(), Link::name);
                 ui.label(format!("The program ended without saving a project ({name}). Go on with it?"));
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {

@@ -45,7 +45,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         });
         ui.menu_button("View", |ui| {
             use Action::{
-                Arrows, Comb, Cut, Edges, Figures, Frame, Gallery, NextMode, Singularities, Split, Streamlines, Theme, Turntable, Watch,
+                Arrows, Comb, Cut, Edges, Figures, Frame, Gallery, NextMode, Singularities, Split, Streamlines, Theme, Turntable,
+                Watch,
             };
             [Frame, Turntable, Split, NextMode].into_iter().for_each(|a| item(ui, a, true, &mut asked));
             ui.separator();

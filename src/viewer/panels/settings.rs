@@ -3,6 +3,7 @@
 use super::super::action::Action;
 use super::super::app::App;
 use super::menu::shortened;
+use crate::exemplar::Exemplar;
 use crate::job::Link;
 use crate::job::project::{Direction, ProjectExemplar, Shape, Size};
 use egui::{ComboBox, DragValue, Image, RichText, ScrollArea, Sense, Slider, Ui, vec2};
@@ -282,7 +283,7 @@ fn patches(app: &mut App, ui: &mut Ui) {
 /// The smallest side of the exemplars that are read, pixels.
 fn smallest_side(app: &App) -> u32 {
     let lapped = app.shown().and_then(|s| s.lapped());
-    let sides = lapped.into_iter().flat_map(|l| &l.exemplars).flat_map(|e| e.size());
+    let sides = lapped.into_iter().flat_map(|l| &l.exemplars).flat_map(Exemplar::size);
     sides.min().unwrap_or(256)
 }
 
@@ -291,7 +292,7 @@ pub(super) fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut out = String::new();
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             out.push('\u{202f}');
         }
         out.push(digit);
