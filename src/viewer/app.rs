@@ -37,6 +37,8 @@ pub struct Notice {
     pub text: String,
     /// It is an error, not a hint.
     pub error: bool,
+    /// It is about what is shown, and goes with the next picture.
+    pub passing: bool,
 }
 
 /// What a question is about that stands between the user and a deed.
@@ -108,6 +110,8 @@ pub struct App {
     pub(super) last_job: Option<(&'static str, f64)>,
     trace: Trace,
     over: bool,
+    /// What is done once the project is saved.
+    pub(super) after_save: Option<Loss>,
 }
 
 /// Panels that can be closed.
@@ -163,6 +167,7 @@ impl App {
             last_job: None,
             trace: Trace::default(),
             over: false,
+            after_save: None,
             graphics,
         }
     }
@@ -208,7 +213,10 @@ impl App {
 
     /// Tells the user something once.
     pub fn tell(&mut self, text: impl Into<String>, error: bool) {
-        let notice = Notice { text: text.into(), error };
+        self.add(Notice { text: text.into(), error, passing: false });
+    }
+
+    fn add(&mut self, notice: Notice) {
         if !self.notices.contains(&notice) {
             self.notices.push(notice);
         }
@@ -371,6 +379,7 @@ impl App {
     /// The three-dimensional view, in all the room there is.
     pub(super) fn view(&mut self, ui: &mut Ui) {
         let shown = self.shown.clone();
+        self.viewport.set_room(ui.max_rect(), ui.pixels_per_point());
         let mesh = shown.as_deref().map(Shown::mesh);
         let bounds = mesh.map(Mesh::bounds).map(|(low, high)| [low.as_dvec3(), high.as_dvec3()]);
         if let Some(shown) = &shown
@@ -504,16 +513,18 @@ impl App {
             match result {
                 Ok(Some(shown)) => {
                     self.trace.shown(shown.revision, shown.mesh().face_count());
-                    self.notices.clear();
-                    for text in &shown.told {
-                        self.tell(text.clone(), false);
+                    self.notices.retain(|notice| !notice.passing);
+                    for text in shown.told.clone() {
+                        self.add(Notice { text, error: false, passing: true });
                     }
                     self.last_job = Some(("Pasted", shown.seconds));
-                    self.shown = Some(Arc::from(shown));
+                    let before = self.shown.replace(Arc::from(shown));
+                    // Letting go of a large mesh takes longer than a frame.
+                    rayon::spawn(move || drop(before));
                 }
                 Ok(None) => self.shown = None,
                 Err(error) if error.is_cancelled() => {}
-                Err(error) => self.tell(error.to_string(), true),
+                Err(error) => self.add(Notice { text: error.to_string(), error: true, passing: true }),
             }
         }
         let lanes = [&self.opens, &self.saves, &self.exports, &self.dialogs];

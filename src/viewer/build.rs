@@ -7,15 +7,15 @@ use super::library::{Library, OpenError, OpenModel};
 use crate::exemplar::{Exemplar, TexturePatch};
 use crate::field::{Guide, TangentField};
 use crate::format::{FormatError, Record};
-use crate::job::project::ProjectExemplar;
-use crate::job::{JobError, JobReport, Laid, Project, cut_patches, lay};
+use crate::job::project::{Direction, ProjectExemplar};
+use crate::job::{JobError, JobReport, Laid, Project, Steer, cut_patches, lay};
 use crate::mesh::Mesh;
 use crate::paste::{LappedTexture, PasteError};
 use crate::progress::Progress;
 use crate::render::gpu::{GpuError, PatchTextures, Renderer, Subject};
 use crate::render::normals::{corner_normals, crease_angle};
 use crate::render::{DrawOptions, Stage};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 /// Why there is nothing new to show.
@@ -127,6 +127,8 @@ struct Cut {
     patches: Vec<TexturePatch>,
     warnings: Vec<String>,
     textures: Arc<PatchTextures>,
+    /// What the first exemplar's own symmetry asks for, once somebody wants to know.
+    own_steer: OnceLock<Steer>,
 }
 
 /// What is kept from one building to the next.
@@ -154,11 +156,10 @@ impl Kitchen {
             warnings.extend(read.told.iter().cloned());
             inputs.push(wanted.input(read.exemplar.clone())?);
         }
-        let first = inputs.first().map(|input| input.exemplar.clone());
-        let (exemplars, patches) = cut_patches(inputs, &project.job(first.as_ref()), &mut warnings)?;
+        let (exemplars, patches) = cut_patches(inputs, &project.job(None), &mut warnings)?;
         let textures = Arc::new(renderer.load_patches(&exemplars, &patches)?);
         warnings.extend(textures.warnings().iter().cloned());
-        let cut = Arc::new(Cut { recipe, exemplars, patches, warnings, textures });
+        let cut = Arc::new(Cut { recipe, exemplars, patches, warnings, textures, own_steer: OnceLock::new() });
         *kept = Some(Arc::clone(&cut));
         Ok(cut)
     }
@@ -187,7 +188,10 @@ pub fn build(
     } else {
         progress.stage("cutting texture patches", 0);
         let cut = kitchen.cut(project, library, renderer)?;
-        let mut job = project.job(cut.exemplars.first());
+        let mut job = project.job(None);
+        if project.direction == Direction::Auto {
+            job.steer = cut.own_steer.get_or_init(|| project.job(cut.exemplars.first()).steer).clone();
+        }
         job.memory = crate::job::available_memory();
         let laid = lay(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress)?;
         told.extend(cut.warnings.iter().chain(&laid.report.warnings).cloned());

@@ -136,7 +136,7 @@ impl App {
 
     /// Takes a model.
     pub fn set_model(&mut self, link: Link) {
-        self.edit("model", |p| p.model = Some(link));
+        self.edit("model", |p| (p.model, p.view) = (Some(link), None));
         self.document.end_gesture();
     }
 
@@ -263,20 +263,26 @@ impl App {
                 self.home.remember(&self.settings);
                 self.document.saved(*project, path);
                 self.home.let_go();
+                if let Some(loss) = self.after_save.take() {
+                    self.lose(loss);
+                }
             }
             Done::Written(path) => self.tell(format!("{} was written", path.display()), false),
             Done::Chosen(purpose, paths) => self.take_files(purpose, &paths),
             Done::Kept(None) => {}
             Done::Kept(Some(error)) => self.tell(format!("unsaved work cannot be kept against a crash: {error}"), false),
             Done::Failed(DeedError::Bake(AtlasError::Cancelled)) => {}
-            Done::Failed(error) => self.tell(error.to_string(), true),
+            Done::Failed(error) => {
+                self.after_save = None;
+                self.tell(error.to_string(), true);
+            }
         }
     }
 
     /// Takes files that were chosen.
     pub(super) fn take_files(&mut self, purpose: Purpose, paths: &[PathBuf]) {
         match (purpose, paths.first()) {
-            (_, None) => {}
+            (_, None) => self.after_save = None,
             (Purpose::Open, _) => self.open_all(paths),
             (Purpose::Save, Some(path)) => self.save_to(path.clone()),
             (Purpose::Export(what), Some(path)) => self.export_to(what, path.clone(), self.settings.dark),

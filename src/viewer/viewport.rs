@@ -107,6 +107,11 @@ impl Viewport {
         self.rect
     }
 
+    /// Where it will be in the window, and pixels a point.
+    pub const fn set_room(&mut self, rect: Rect, scale: f32) {
+        (self.rect, self.scale) = (rect, scale);
+    }
+
     /// Width over height.
     #[must_use]
     pub fn aspect(&self) -> f64 {
@@ -172,7 +177,7 @@ impl Viewport {
         given: impl Fn(Mode) -> Given<'a>,
     ) -> Seen {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-        (self.rect, self.scale) = (rect, ui.ctx().pixels_per_point());
+        self.set_room(rect, ui.pixels_per_point());
         let before = self.orbit;
         self.steer(ui, &response, held);
         let divider = self.split.map(|share| self.drag_divider(ui, share));

@@ -224,7 +224,13 @@ impl Open {
             painter.free_texture(&id);
         }
         drop(painter);
-        self.gpu.check()
+        match self.gpu.check() {
+            Err(error @ GpuError::Refused { .. }) => {
+                self.app.tell(error.to_string(), true);
+                Ok(())
+            }
+            other => other,
+        }
     }
 }
 

@@ -61,8 +61,8 @@ impl Desktop {
             .unwrap();
         self.viewer = Some(viewer);
         self.wait("the window", |desktop| !desktop.tool(&["search", "--onlyvisible", "--name", "lapped"]).is_empty());
-        // The pointer in the middle; without a window manager the window under it has the keyboard.
-        self.tool(&["mousemove", "640", "400"]);
+        // Without a window manager nobody else gives it the keyboard.
+        self.tool(&["mousemove", "640", "400", "windowfocus", &self.window()]);
     }
 
     fn run(&self, program: &str, arguments: &[&str]) -> String {
@@ -84,7 +84,6 @@ impl Desktop {
     }
 
     fn keys(&self, keys: &str) {
-        self.tool(&["key", "--window", &self.window(), keys]);
         self.tool(&["key", keys]);
     }
 
@@ -187,6 +186,7 @@ fn the_window_opens_turns_changes_saves_exports_and_closes() {
     desktop.tool(&["windowsize", &window, "1280", "800"]);
     desktop.wait_for_texture();
 
+    desktop.tool(&["windowfocus", &window]);
     desktop.keys("ctrl+q");
     let mut viewer = desktop.viewer.take().unwrap();
     let begin = Instant::now();

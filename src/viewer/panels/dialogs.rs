@@ -75,6 +75,7 @@ fn name(app: &mut App, context: &Context, purpose: Purpose, mut text: String) {
         app.take_files(purpose, &[PathBuf::from(text.trim())]);
     } else if cancel || answer.should_close() {
         app.question = None;
+        app.after_save = None;
     } else {
         app.question = Some(Question::Name(purpose, text));
     }
@@ -91,6 +92,7 @@ fn unsaved(app: &mut App, context: &Context, loss: Loss) {
     let [save, discard, cancel] = answer.inner;
     if save {
         app.question = None;
+        app.after_save = Some(loss);
         app.save();
     } else if discard {
         app.lose_now(loss);

@@ -4,19 +4,20 @@ use super::super::action::Action;
 use super::super::app::App;
 use super::super::gallery::SIDE;
 use super::menu::hint;
-use crate::job::Link;
+use crate::job::project::Direction;
+use crate::job::{Link, Project, ProjectExemplar};
 use egui::{Align, Image, Layout, RichText, ScrollArea, Ui, Window, vec2};
 
-/// A model with an exemplar on it.
-const DEMOS: [(&str, &str); 8] = [
-    ("dragonling", "scales"),
-    ("dragonling", "fur"),
-    ("knot", "weave"),
-    ("knot", "pebbles"),
-    ("vase", "bricks"),
-    ("gear", "rust"),
-    ("terrain", "leaves"),
-    ("dragonling_25k", "moss"),
+/// A model with an exemplar on it, and whether that looks the same every way.
+const DEMOS: [(&str, &str, bool); 8] = [
+    ("dragonling", "scales", false),
+    ("dragonling", "fur", false),
+    ("knot", "weave", false),
+    ("knot", "pebbles", true),
+    ("vase", "bricks", false),
+    ("gear", "rust", true),
+    ("terrain", "leaves", true),
+    ("dragonling_25k", "moss", true),
 ];
 
 /// What an empty window shows.
@@ -39,24 +40,29 @@ pub(super) fn welcome(app: &mut App, ui: &mut Ui) {
             for row in DEMOS.chunks(columns) {
                 let width = row.len() as f32 * (2.0 * picture + 34.0);
                 ui.allocate_ui_with_layout(vec2(width, picture + 32.0), Layout::left_to_right(Align::Center), |ui| {
-                    for &(model, exemplar) in row {
+                    for &(model, exemplar, isotropic) in row {
                         if demo(app, ui, model, exemplar) {
-                            chosen = Some((model, exemplar));
+                            chosen = Some((model, exemplar, isotropic));
                         }
                     }
                 });
             }
-            if let Some((model, exemplar)) = chosen {
-                begin(app, model, exemplar);
+            if let Some((model, exemplar, isotropic)) = chosen {
+                begin(app, model, exemplar, isotropic);
             }
         });
     });
 }
 
 /// Begins with a built-in model and exemplar.
-fn begin(app: &mut App, model: &str, exemplar: &str) {
-    app.set_exemplars(vec![Link::BuiltIn(exemplar.to_owned())]);
-    app.set_model(Link::BuiltIn(model.to_owned()));
+fn begin(app: &mut App, model: &str, exemplar: &str, isotropic: bool) {
+    let [model, exemplar] = [model, exemplar].map(|name| Link::BuiltIn(name.to_owned()));
+    app.edit("demo", |p| {
+        p.exemplars = vec![ProjectExemplar::new(exemplar)];
+        p.direction = if isotropic { Direction::None } else { Project::default().direction };
+        (p.model, p.view) = (Some(model), None);
+    });
+    app.document.end_gesture();
 }
 
 /// A demo as a button of two pictures.
