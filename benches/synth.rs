@@ -26,7 +26,6 @@ use lapped::mesh::{Mesh, SurfacePoint};
 use lapped::progress::Silent;
 use lapped::synth::{Levels, Place, SearchKind, Source, SynthOptions, VertexTexture, combed_right, random_right, synthesize};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 fn tiled(mesh: &Mesh, vertices: usize, levels: usize) -> Pyramid {
     let options = RetileOptions { vertices, ..RetileOptions::default() };

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::common::Bench;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::NodeT;
 use lapped::job::Link;
 use lapped::job::project::Direction;
 use lapped::viewer::Mode;

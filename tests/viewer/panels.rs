@@ -68,7 +68,7 @@ fn a_saved_project_opens_as_it_was_to_the_last_paste() {
     drop(bench);
     let mut again = Bench::new(SMALL, 1.0);
     again.harness.step();
-    again.app_mut().open_all(&[path.clone()]);
+    again.app_mut().open_all(std::slice::from_ref(&path));
     again.settle();
     assert_eq!(again.app().shown().unwrap().lapped().unwrap(), &lapped, "paste for paste");
     assert_eq!(again.app().viewport.orbit.camera(), orbit.camera(), "seen from there");

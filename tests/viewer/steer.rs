@@ -195,7 +195,7 @@ fn pastes_are_watched_one_by_one_and_one_of_them_grows() {
     let middle = bench.app().viewport.rect().center() + vec2(0.0, 60.0);
     bench.click_at(middle);
     bench.settle();
-    let growth = |bench: &Bench| bench.app().watch.as_ref().unwrap().watch().growth().map(|g| g.moments());
+    let growth = |bench: &Bench| bench.app().watch.as_ref().unwrap().watch().growth().map(lapped::paste::Growth::moments);
     let moments = growth(&bench).unwrap();
     bench.app_mut().watch.as_mut().unwrap().watch_mut().play = lapped::viewer::watch::Play::Still;
     bench.app_mut().watch.as_mut().unwrap().watch_mut().go_to(moments / 3);

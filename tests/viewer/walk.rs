@@ -71,7 +71,7 @@ fn from_an_empty_window_to_a_combed_textured_exported_model() {
     bench.click_at(middle);
     bench.settle();
     if let Some(watch) = &mut bench.app_mut().watch {
-        let moments = watch.watch().growth().map_or(0, |g| g.moments());
+        let moments = watch.watch().growth().map_or(0, lapped::paste::Growth::moments);
         watch.watch_mut().play = Play::Still;
         watch.watch_mut().go_to(moments / 3);
     }
