@@ -43,12 +43,16 @@ Examples:
   What another model is painted with, moved here:
       lapped synth bunny.obj cow.glb -o bunny.glb
       lapped synth bunny.obj spot.obj --exemplar-texture spot.png -o bunny.glb
+  On the mesh's own vertices, with circles about them that are kept for the next texture or direction; and an image:
+      lapped synth horse.ply scales.png -o horse.glb --method chen-dong --marching horse.circles
+      lapped synth --plane 512x512 pebbles.jpg -o pebbles.png --method chen-dong
   Better and slower, worse and as in the paper:
       lapped synth bunny.obj bricks.png -o bunny.glb --passes 6,6,4,3
       lapped synth bunny.obj bricks.png -o bunny.glb --paper --search tsvq
 
-The mesh that comes out is another one: the surface with evenly spread vertices, each of which stands for a pixel. More vertices
-make a finer texture, not a sharper one (--vertices), unless the exemplar has more pixels (--exemplar-size).")]
+The mesh that comes out is another one: the surface with evenly spread vertices, each of which stands for a pixel; with --method
+chen-dong it is the mesh itself, with long edges cut. More vertices make a finer texture, not a sharper one (--vertices), unless
+the exemplar has more pixels (--exemplar-size).")]
 pub struct SynthArgs {
     /// The mesh: OBJ, PLY, STL, glTF or GLB; with --plane there is none, and the exemplar is all there is to name
     #[arg(value_name = "MESH")]

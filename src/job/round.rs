@@ -270,7 +270,8 @@ pub fn synthesize_marched(
     Ok(Rounded { texture, report })
 }
 
-/// Synthesises an image of `size` pixels with all channels of the exemplar.
+/// Synthesises an image of `size` pixels with all channels of the exemplar. The exemplar goes on over its edges only if the job says so:
+/// what goes on from a neighbour would always fit, and one that tiles would be tiled, no more.
 ///
 /// # Errors
 /// If the size is none, or `progress` cancels.
@@ -280,7 +281,8 @@ pub fn synthesize_plane_image(
     job: &RoundJob,
     progress: &dyn Progress,
 ) -> Result<(Exemplar, RoundReport), RoundJobError> {
-    let (exemplar, levels) = job.exemplar(exemplar);
+    let inside = RoundJob { tiles: job.tiles.or(Some(false)), ..job.clone() };
+    let (exemplar, levels) = inside.exemplar(exemplar);
     let start = Instant::now();
     let stacks = Stack::new(&exemplar, None).pyramid(levels);
     let made = synthesize_plane(size.map(|s| s as usize), &stacks, &job.options, progress)?;

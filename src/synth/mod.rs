@@ -4,7 +4,8 @@
 //! Based on: Wei, Levoy, "Texture synthesis over arbitrary manifold surfaces", SIGGRAPH 2001.
 //!
 //! The way through: [`Levels`] are meshes with texture frames, a [`Source`] the levels of the exemplar; [`synthesize`] matches one
-//! against the other, and [`VertexTexture`] is the result as a [`crate::surface::SurfaceTexture`].
+//! against the other, and [`VertexTexture`] is the result as a [`crate::surface::SurfaceTexture`]. [`round`] does it on the user's own
+//! vertices, after Chen and Dong 2008.
 
 pub mod batch;
 pub mod convolve;

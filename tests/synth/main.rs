@@ -2,4 +2,5 @@
 mod corpus;
 mod flat;
 mod odd;
+mod round;
 mod whole;
