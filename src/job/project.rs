@@ -157,6 +157,8 @@ pub struct Project {
     pub distortion: Option<f64>,
     /// Leave large faces as they are.
     pub keep_faces: bool,
+    /// Each paste shows the part of its exemplar that agrees best with what lies around it.
+    pub windows: bool,
     /// Seed of all random choices.
     pub seed: u64,
     /// The camera; absent: one that shows all.
@@ -178,6 +180,7 @@ impl Default for Project {
             splotches: 3,
             distortion: None,
             keep_faces: false,
+            windows: true,
             seed: 1,
             view: None,
         }
@@ -285,7 +288,7 @@ impl Project {
             keep_faces: self.keep_faces,
             feather: self.feather,
             patches: PatchOptions { seed: self.seed, splotches: self.splotches, ..PatchOptions::default() },
-            paste: PasteOptions { seed: self.seed, distortion: self.distortion, ..PasteOptions::default() },
+            paste: PasteOptions { seed: self.seed, distortion: self.distortion, windows: self.windows, ..PasteOptions::default() },
             ..PasteJob::default()
         }
     }

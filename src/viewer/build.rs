@@ -117,6 +117,7 @@ struct Recipe {
     feather: Option<f32>,
     splotches: u32,
     seed: u64,
+    windows: bool,
 }
 
 /// Texture patches, ready.
@@ -144,6 +145,7 @@ impl Kitchen {
             feather: project.feather,
             splotches: project.splotches,
             seed: project.seed,
+            windows: project.windows,
         };
         let mut kept = self.cut.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(cut) = kept.as_ref().filter(|cut| cut.recipe == recipe) {

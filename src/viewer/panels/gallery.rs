@@ -106,7 +106,7 @@ pub(super) fn over_view(app: &mut App, ui: &Ui) {
                         Some(id) => ui.add(egui::Button::image(Image::new((id, vec2(72.0, 72.0))))),
                         None => ui.button(name),
                     };
-                    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+                    let response = response.accessible_name(name);
                     ui.weak(name);
                     if response.clicked() {
                         chosen = Some(link);

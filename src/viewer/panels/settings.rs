@@ -109,8 +109,7 @@ fn built_in(app: &mut App, ui: &mut Ui) {
             let link = Link::BuiltIn(name.to_owned());
             let Some(id) = app.picture_of(ui.ctx(), &link) else { continue };
             let button = egui::Button::image(Image::new((id, vec2(56.0, 56.0)))).frame(true);
-            let response = ui.add(button).on_hover_text(name);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+            let response = ui.add(button).on_hover_text(name).accessible_name(name);
             if response.clicked() {
                 take(app, link, ui.input(|i| i.modifiers.shift));
                 ui.close();
@@ -248,8 +247,7 @@ fn patches(app: &mut App, ui: &mut Ui) {
         let box_hint = "Width in pixels of the fall-off of alpha at a patch's edge; by the exemplar's size if not ticked";
         let toggled = ui.checkbox(&mut own, "feather").on_hover_text(box_hint).changed();
         let slider = Slider::new(&mut feather, 0.0..=least as f32 * 0.2).max_decimals(1);
-        let response = ui.add_enabled(own, slider).on_hover_text(box_hint);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, own, "feather in pixels"));
+        let response = ui.add_enabled(own, slider).on_hover_text(box_hint).accessible_name("feather in pixels");
         if toggled || response.changed() {
             app.edit("feather", |p| p.feather = own.then_some(feather));
         }
@@ -259,10 +257,18 @@ fn patches(app: &mut App, ui: &mut Ui) {
         let mut bound = project.distortion.unwrap_or(1.0);
         let box_hint = "Growth of a surface patch stops where the texture would be stretched more than this against the field";
         let toggled = ui.checkbox(&mut own, "distortion").on_hover_text(box_hint).changed();
-        let response = ui.add_enabled(own, Slider::new(&mut bound, 0.2..=3.0).max_decimals(2)).on_hover_text(box_hint);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Slider, own, "distortion bound"));
+        let slider = Slider::new(&mut bound, 0.2..=3.0).max_decimals(2);
+        let response = ui.add_enabled(own, slider).on_hover_text(box_hint).accessible_name("distortion bound");
         if toggled || response.changed() {
             app.edit("distortion", |p| p.distortion = own.then_some(bound));
+        }
+        ui.end_row();
+
+        let mut windows = project.windows;
+        ui.label("");
+        let hint = "Each paste shows the part of its exemplar that agrees best with what lies around it; the paper's pastes all show the same";
+        if ui.checkbox(&mut windows, "match borders").on_hover_text(hint).changed() {
+            app.edit("windows", |p| p.windows = windows);
         }
         ui.end_row();
 
