@@ -45,6 +45,7 @@ use grow::PatchPlan;
 use layout::{Layout, LayoutInput, Loop};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::Arc;
 use std::time::Instant;
 use window::{WindowStatistics, choose_windows};
 
@@ -96,6 +97,8 @@ pub struct PasteOptions {
     pub windows: bool,
     /// Where coverage is drawn.
     pub coverage: Coverage,
+    /// Coverage masks of the texture patches, patch for patch, if they are there from an earlier time; else they are made.
+    pub masks: Option<Arc<[CoverageMask]>>,
 }
 
 impl Default for PasteOptions {
@@ -110,6 +113,7 @@ impl Default for PasteOptions {
             cull: true,
             windows: true,
             coverage: Coverage::default(),
+            masks: None,
         }
     }
 }
@@ -293,7 +297,8 @@ pub fn paste_with_seedings(
     check(mesh, guide, &patches, options)?;
     let width = |p: &TexturePatch| exemplars[p.exemplar as usize].size()[0];
     let plans: Vec<PatchPlan> = patches.iter().map(|p| PatchPlan::new(p, width(p))).collect();
-    let masks: Vec<CoverageMask> = patches.iter().map(CoverageMask::new).collect();
+    let kept = options.masks.clone().filter(|kept| kept.len() == patches.len());
+    let masks = kept.unwrap_or_else(|| patches.iter().map(CoverageMask::new).collect());
     let texels = f64::from(patches.iter().map(width).max().unwrap_or(1));
     let texel: Vec<f32> =
         (0..mesh.face_count() as u32).into_par_iter().map(|f| (least_scale(mesh, guide, f) / texels) as f32).collect();

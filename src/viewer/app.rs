@@ -336,7 +336,11 @@ impl App {
     fn stop(&mut self) {
         if self.open_panels.help {
             self.open_panels.help = false;
-        } else {
+            return;
+        }
+        let cutting = self.cut.as_mut().is_some_and(CutRoom::escape);
+        let combing = self.shown.clone().is_some_and(|shown| self.steer.escape(&shown));
+        if !cutting && !combing {
             self.builds.cancel();
             self.opens.cancel();
             self.exports.cancel();

@@ -4,7 +4,7 @@
 //! their images on the device from the [`Kitchen`].
 
 use super::library::{Library, OpenError, OpenModel};
-use crate::exemplar::{Exemplar, TexturePatch};
+use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::{Guide, TangentField};
 use crate::format::{FormatError, Record};
 use crate::job::project::{Direction, ProjectExemplar};
@@ -126,6 +126,7 @@ struct Cut {
     recipe: Recipe,
     exemplars: Vec<Exemplar>,
     patches: Vec<TexturePatch>,
+    masks: Arc<[CoverageMask]>,
     warnings: Vec<String>,
     textures: Arc<PatchTextures>,
     /// What the first exemplar's own symmetry asks for, once somebody wants to know.
@@ -161,7 +162,9 @@ impl Kitchen {
         let (exemplars, patches) = cut_patches(inputs, &project.job(None), &mut warnings)?;
         let textures = Arc::new(renderer.load_patches(&exemplars, &patches)?);
         warnings.extend(textures.warnings().iter().cloned());
-        let cut = Arc::new(Cut { recipe, exemplars, patches, warnings, textures, own_steer: OnceLock::new() });
+        let masks = patches.iter().map(CoverageMask::new).collect();
+        let own_steer = OnceLock::new();
+        let cut = Arc::new(Cut { recipe, exemplars, patches, masks, warnings, textures, own_steer });
         *kept = Some(Arc::clone(&cut));
         Ok(cut)
     }
@@ -195,6 +198,7 @@ pub fn build(
             job.steer = cut.own_steer.get_or_init(|| project.job(cut.exemplars.first()).steer).clone();
         }
         job.memory = crate::job::available_memory();
+        job.paste.masks = Some(Arc::clone(&cut.masks));
         let laid = lay(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress)?;
         told.extend(cut.warnings.iter().chain(&laid.report.warnings).cloned());
         textures = Some(Arc::clone(&cut.textures));

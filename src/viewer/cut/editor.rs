@@ -165,7 +165,7 @@ fn keys_and_pointer(
         cutter.release();
     }
     cutter.line = kept;
-    if !typing {
+    if !typing && response.contains_pointer() {
         let pressed = |key| ui.input(|i| i.key_pressed(key));
         if pressed(Key::Enter) {
             cutter.close();

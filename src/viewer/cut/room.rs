@@ -122,6 +122,13 @@ impl CutRoom {
         drawing
     }
 
+    /// Gives the outline being drawn up, or else the selection. False if there is neither.
+    pub fn escape(&mut self) -> bool {
+        let some = self.cutter.drawing().is_some() || self.cutter.selected().is_some();
+        self.cutter.escape();
+        some
+    }
+
     /// Keeps up with shapes that were changed elsewhere, as by undoing.
     pub fn follow(&mut self, shapes: &[Shape]) {
         if self.cutter.drawing().is_none() && self.cutter.revision() == self.sent {

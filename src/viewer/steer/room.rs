@@ -165,8 +165,8 @@ impl SteerRoom {
         if busy && (released || !down) {
             edit = self.with(shown, Combing::end).flatten().or(edit);
         }
-        edit = self.keys(ui, shown).or(edit);
         if over.is_some() {
+            edit = self.keys(ui, shown).or(edit);
             ui.ctx().set_cursor_icon(match self.hovered {
                 Some((_, Grip::Move)) => CursorIcon::Move,
                 Some((_, Grip::Turn | Grip::Widen)) => CursorIcon::Grab,
@@ -175,6 +175,17 @@ impl SteerRoom {
             });
         }
         Pointed { held: busy || self.combing.busy(), edit }
+    }
+
+    /// Gives a gesture up, or else the selection. False if there is neither.
+    pub fn escape(&mut self, shown: &Shown) -> bool {
+        let (busy, some) = (self.combing.busy(), self.on && self.combing.selected().is_some());
+        if busy {
+            self.with(shown, Combing::cancel);
+        } else {
+            self.combing.select(None);
+        }
+        busy || some
     }
 
     /// The state in the middle of dragging a handle, so that the picture follows.
@@ -194,9 +205,6 @@ impl SteerRoom {
         }
         if pressed(Key::CloseBracket) {
             *radius = (*radius * RADIUS_STEP).min(0.5);
-        }
-        if pressed(Key::Escape) {
-            self.with(shown, |combing, ground| if combing.busy() { combing.cancel(ground) } else { combing.select(None) });
         }
         let delete = pressed(Key::Delete) || pressed(Key::Backspace);
         delete.then(|| self.with(shown, Combing::delete).flatten()).flatten()
