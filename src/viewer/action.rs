@@ -102,7 +102,7 @@ impl Action {
             Self::NextMode => ("Next mode", key(NONE, Key::M), "Show the next mode in the left pane"),
             Self::Comb => ("Comb", key(NONE, Key::C), "Drag over the model to set which way the texture lies"),
             Self::Cut => ("Cut patches", key(NONE, Key::X), "Draw outlines of texture patches on the exemplar"),
-            Self::Watch => ("Watch", key(NONE, Key::W), "See pastes laid one by one, and how one of them grows"),
+            Self::Watch => ("Watch", key(NONE, Key::O), "See pastes laid one by one, and how one of them grows"),
             Self::Arrows => {
                 ("Field arrows", key(NONE, Key::A), "Arrows where texture up points; longer ones mean a larger texture")
             }
@@ -111,7 +111,7 @@ impl Action {
                 ("Singularities", key(NONE, Key::P), "Points around which the field turns: poles red, saddles orange")
             }
             Self::Edges => {
-                ("Mesh edges", key(NONE, Key::E), "The edges of the faces that are pasted on, where they are no more than 300 000")
+                ("Mesh edges", key(NONE, Key::W), "The edges of the faces that are pasted on, where they are no more than 300 000")
             }
             Self::Reload => ("Reload files", key(COMMAND, Key::R), "Read model and exemplars again"),
             Self::Stop => ("Stop", key(NONE, Key::Escape), "Stop the work that goes on"),

@@ -174,7 +174,7 @@ fn pastes_are_watched_one_by_one_and_one_of_them_grows() {
     let mut bench = Bench::new(SMALL, 1.0);
     bench.begin("vase", "weave");
     bench.comb();
-    bench.key(Key::W);
+    bench.key(Key::O);
     let all = bench.app().watch.as_ref().unwrap().watch().count();
     let rect = bench.app().viewport.rect();
     let whole = bench.picture("watch-all");

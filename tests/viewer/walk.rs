@@ -63,7 +63,7 @@ fn from_an_empty_window_to_a_combed_textured_exported_model() {
     assert_eq!(bench.app().shown().unwrap().lapped().unwrap().patches.len(), 1, "one patch, the one drawn");
     bench.key(Key::X);
 
-    bench.key(Key::W);
+    bench.key(Key::O);
     let all = bench.app().watch.as_ref().unwrap().watch().count();
     bench.app_mut().watch.as_mut().unwrap().watch_mut().show(all / 2);
     bench.settle();
@@ -77,7 +77,7 @@ fn from_an_empty_window_to_a_combed_textured_exported_model() {
     }
     bench.harness.run_steps(3);
     bench.picture("walk-7-watching");
-    bench.key(Key::W);
+    bench.key(Key::O);
 
     bench.app_mut().viewport.split = Some(0.5);
     bench.app_mut().viewport.modes = [Mode::Single, Mode::Pastes];
