@@ -1,4 +1,4 @@
-//! The walk-through of docs/viewer.md, step by step: its pictures are `target/viewer/walk-*.png`.
+//! The walk through the window of docs/walk.md, step by step: its pictures are `target/viewer/walk-*.png`.
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
