@@ -106,8 +106,8 @@ fn on_a_plane_circles_and_samples_are_the_analytic_ones() {
             let (sine, cosine) = (f64::from(turn) * 0.9).sin_cos();
             let (right, up) = (right * cosine + up * sine, up * cosine - right * sine);
             for level in 0..2 {
-                let places = marching.places(&mesh, middle, level, right, &template);
-                for (sample, place) in template.samples().iter().zip(places) {
+                let places = marching.places(&mesh, &[(middle, right)], level, &template);
+                for (sample, place) in template.samples().iter().zip(&places[0]) {
                     let [x, y] = sample.offset.as_dvec2().to_array();
                     let exact = mesh.point(middle) + (right * x + up * y) * pixel * f64::from(1 << level);
                     let off = mesh.position(place.expect("inside the plane")).distance(exact) / pixel;
@@ -128,16 +128,17 @@ fn on_a_sphere_lengths_and_shares_are_the_closed_form() {
         assert_eq!(marching.statistics().incomplete, 0, "every circle of a sphere is whole");
         let template = Template::new(4);
         let (mut longest, mut farthest) = (0.0_f64, 0.0_f64);
-        for v in (0..mesh.vertex_count() as u32).step_by(7) {
-            let normal = mesh.point(v).normalize();
-            let frame = Frame::new(normal, DVec3::new(0.1, 0.9, 0.3));
+        let frame = |v: u32| Frame::new(mesh.point(v).normalize(), DVec3::new(0.1, 0.9, 0.3));
+        let of: Vec<(u32, DVec3)> = (0..mesh.vertex_count() as u32).step_by(7).map(|v| (v, frame(v).right)).collect();
+        for (&(v, _), places) in of.iter().zip(marching.places(&mesh, &of, 0, &template)) {
+            let frame = frame(v);
             for circle in 0..4 {
                 let exact = TAU * (circle as f64 + 1.0) * pixel;
                 longest = longest.max((marching.length(v, circle).expect("whole") / exact - 1.0).abs());
             }
-            for (sample, place) in template.samples().iter().zip(marching.places(&mesh, v, 0, frame.right, &template)) {
+            for (sample, place) in template.samples().iter().zip(places) {
                 let way = (frame.right * f64::from(sample.offset.x) + frame.up * f64::from(sample.offset.y)) * pixel;
-                let exact = way + normal * (1.0 - way.length_squared()).sqrt();
+                let exact = way + frame.normal * (1.0 - way.length_squared()).sqrt();
                 farthest = farthest.max(mesh.position(place.expect("covered")).distance(exact) / pixel);
             }
         }
@@ -166,9 +167,9 @@ fn samples_follow_the_surface_where_it_bends() {
         assert!((length / ellipse - 1.0).abs() < 0.03, "circle {circle}: {length} for {ellipse}");
     }
     let template = Template::new(3);
-    let places = marching.places(&mesh, middle, 0, DVec3::Y, &template);
+    let places = &marching.places(&mesh, &[(middle, DVec3::Y)], 0, &template)[0];
     // Along the fold as far as in the plane, across it farther, since the surface goes down there.
-    for (sample, place) in template.samples().iter().zip(&places) {
+    for (sample, place) in template.samples().iter().zip(places) {
         let far = mesh.position(place.expect("covered")).distance(mesh.point(middle)) / step;
         let radius = f64::from(sample.offset.length());
         let wide = match (sample.share * 4.0).round() as i32 % 2 {

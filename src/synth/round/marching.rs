@@ -221,17 +221,21 @@ impl Marching {
         }
     }
 
-    /// The samples of a level of a vertex's neighbourhood in a texture direction, in the template's order. `mesh` is the one that was
-    /// marched about; vertices it does not have get none.
+    /// The samples of a level of the neighbourhoods of some vertices, each in a texture direction of its own, in the template's order.
+    /// `mesh` is the one that was marched about; for another one, and for vertices that it does not have, there are none.
     #[must_use]
-    pub fn places(&self, mesh: &Mesh, vertex: u32, level: usize, right: DVec3, template: &Template) -> Vec<Option<SurfacePoint>> {
-        let mut out = vec![Packed::default(); template.samples().len()];
-        if mesh_key(mesh) == self.key && (vertex as usize) < mesh.vertex_count() {
-            let normals = mesh.vertex_normals();
-            self.samples(&mut Reader::new(mesh, &normals), vertex, level, right, template, &mut out);
-        }
-        let point = |p: &Packed| (p.face != NONE).then(|| SurfacePoint { face: p.face, bary: p.shares().into() });
-        out.iter().map(point).collect()
+    pub fn places(&self, mesh: &Mesh, of: &[(u32, DVec3)], level: usize, template: &Template) -> Vec<Vec<Option<SurfacePoint>>> {
+        let (same, normals) = (mesh_key(mesh) == self.key, mesh.vertex_normals());
+        let mut reader = Reader::new(mesh, &normals);
+        let mut one = |&(vertex, right): &(u32, DVec3)| {
+            let mut out = vec![Packed::default(); template.samples().len()];
+            if same && (vertex as usize) < mesh.vertex_count() {
+                self.samples(&mut reader, vertex, level, right, template, &mut out);
+            }
+            let point = |p: &Packed| (p.face != NONE).then(|| SurfacePoint { face: p.face, bary: p.shares().into() });
+            out.iter().map(point).collect()
+        };
+        of.iter().map(&mut one).collect()
     }
 
     fn arcs_of(&self, vertex: u32, circle: usize) -> &[Arc] {
