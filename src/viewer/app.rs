@@ -135,11 +135,13 @@ impl App {
             let context = context.clone();
             move || context.request_repaint()
         };
+        let mut viewport = Viewport::default();
+        viewport.prepare(&graphics);
         super::theme::apply(context, settings.dark);
         let question = home.left_behind().map(|(path, project)| Question::Recover(path, Box::new(project)));
         Self {
             document: Document::default(),
-            viewport: Viewport::default(),
+            viewport,
             lines: Lines::default(),
             notices: Vec::new(),
             question,

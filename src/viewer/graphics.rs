@@ -87,6 +87,11 @@ impl Pane {
         self.target.as_ref().map(|t| t.id)
     }
 
+    /// Makes ready what takes longer than a frame. What cannot be made is told when it is drawn with.
+    pub fn prepare(&mut self, graphics: &Graphics) {
+        self.screen = Screen::new(&graphics.renderer, FORMAT, SAMPLES).ok();
+    }
+
     /// Forgets the canvas of the layered way, which belongs to one subject.
     pub fn forget(&mut self) {
         self.canvas = None;

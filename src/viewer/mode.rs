@@ -151,16 +151,21 @@ impl Backdrop {
         }
     }
 
+    /// The grey of it, sRGB.
+    #[must_use]
+    pub const fn grey(self, dark: bool) -> u8 {
+        match (self, dark) {
+            (Self::Theme, true) => 46,
+            (Self::Theme, false) => 226,
+            (Self::White, _) => 255,
+            (Self::Grey, _) => 128,
+            (Self::Black, _) => 0,
+        }
+    }
+
     /// The background of frames.
     #[must_use]
     pub fn background(self, dark: bool) -> Background {
-        let byte = match (self, dark) {
-            (Self::Theme, true) => 46.0,
-            (Self::Theme, false) => 226.0,
-            (Self::White, _) => 255.0,
-            (Self::Grey, _) => 128.0,
-            (Self::Black, _) => 0.0,
-        };
-        Background::Plain(Vec3::splat(srgb::decode(byte / 255.0)))
+        Background::Plain(Vec3::splat(srgb::decode(f32::from(self.grey(dark)) / 255.0)))
     }
 }

@@ -107,6 +107,11 @@ impl Viewport {
         self.rect
     }
 
+    /// Makes ready what takes longer than a frame.
+    pub fn prepare(&mut self, graphics: &Graphics) {
+        self.panes.iter_mut().for_each(|pane| pane.prepare(graphics));
+    }
+
     /// Where it will be in the window, and pixels a point.
     pub const fn set_room(&mut self, rect: Rect, scale: f32) {
         (self.rect, self.scale) = (rect, scale);
@@ -189,6 +194,8 @@ impl Viewport {
         let camera = self.orbit.camera();
         let depth = bounds.map_or([camera.near, 1e3 * camera.near], |bounds| depths(&camera, bounds));
         let size = self.pixels();
+        // Until there is a picture, and for modes that have none.
+        ui.painter().rect_filled(rect, 0.0, Color32::from_gray(self.backdrop.grey(ui.visuals().dark_mode)));
         let (mut error, mut frames) = (None, 0);
         for (i, mode) in self.seen_modes().collect::<Vec<_>>().into_iter().enumerate() {
             let given = given(mode);

@@ -152,7 +152,7 @@ fn the_window_opens_turns_changes_saves_exports_and_closes() {
     desktop.keys("v");
 
     // The slider of the scale takes the keyboard's arrows once it is clicked.
-    desktop.tool(&["mousemove", "150", "385", "click", "1"]);
+    desktop.tool(&["mousemove", "150", "250", "click", "1"]);
     std::thread::sleep(Duration::from_millis(500));
     desktop.wait("an unsaved change", |d| d.title().starts_with('*'));
     desktop.keys("ctrl+z");
