@@ -34,8 +34,8 @@ const SHORTEST: usize = 4;
 /// A line ends where the field turns against it by more than this cosine tells.
 const AGAINST: f64 = 0.0;
 
-/// Spacings along the bounding box's diagonal, at the most: bounds the work for whatever is asked.
-const MOST_SPACINGS: f64 = 1000.0;
+/// Spacings along the bounding box's diagonal, at the most: cells are counted in 32 bits.
+const MOST_SPACINGS: f64 = 1e6;
 
 /// How to draw streamlines.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,11 +44,15 @@ pub struct StreamlineOptions {
     pub spacing: f64,
     /// The longest a line may be, in spacings.
     pub longest: f64,
+    /// Lines stay within so far of a point, world units; none: everywhere.
+    pub around: Option<(DVec3, f64)>,
+    /// At most so many lines: bounds the work for whatever is asked.
+    pub most: usize,
 }
 
 impl Default for StreamlineOptions {
     fn default() -> Self {
-        Self { spacing: 0.02, longest: 60.0 }
+        Self { spacing: 0.02, longest: 60.0, around: None, most: 20_000 }
     }
 }
 
@@ -65,7 +69,8 @@ pub fn streamlines(mesh: &Mesh, field: &TangentField, options: &StreamlineOption
         return Vec::new();
     }
     let most = (options.longest * STEPS).clamp(1.0, 1e5) as usize;
-    let mut tracer = Tracer { mesh, field, spacing, most, low: low.as_dvec3(), cells: HashMap::new(), lines: Vec::new() };
+    let (low, around) = (low.as_dvec3(), options.around);
+    let mut tracer = Tracer { mesh, field, spacing, most, around, low, cells: HashMap::new(), lines: Vec::new() };
     let mut seeds = VecDeque::new();
     let mut due = 0.0;
     for face in 0..mesh.face_count() as u32 {
@@ -76,6 +81,9 @@ pub fn streamlines(mesh: &Mesh, field: &TangentField, options: &StreamlineOption
         due = 0.0;
         seeds.push_back(SurfacePoint { face, bary: Vec3::splat(1.0 / 3.0) });
         while let Some(seed) = seeds.pop_front() {
+            if tracer.lines.len() >= options.most {
+                return tracer.lines;
+            }
             if tracer.begin(seed) {
                 tracer.beside_last(&mut seeds);
             }
@@ -98,6 +106,7 @@ struct Tracer<'a> {
     field: &'a TangentField,
     spacing: f64,
     most: usize,
+    around: Option<(DVec3, f64)>,
     low: DVec3,
     cells: HashMap<IVec3, Vec<Met>>,
     lines: Vec<Streamline>,
@@ -107,7 +116,7 @@ impl Tracer<'_> {
     /// Draws a line through a seed, unless it is too near to others or too short.
     fn begin(&mut self, seed: SurfacePoint) -> bool {
         let line = self.lines.len() as u32;
-        if self.near(seed, BEGINS * self.spacing, |_| true) {
+        if self.beyond(seed) || self.near(seed, BEGINS * self.spacing, |_| true) {
             return false;
         }
         let mut met = vec![(0, seed)];
@@ -118,7 +127,7 @@ impl Tracer<'_> {
                 let Some((next, arrived)) = self.step(at, heading, f64::from(sense)) else { break };
                 // Its own last steps are near by nature.
                 let own = |m: &Met| m.line != line || (m.step - sense * step).abs() > 2 * STEPS as i32;
-                if self.near(next, ENDS * self.spacing, own) {
+                if self.beyond(next) || self.near(next, ENDS * self.spacing, own) {
                     break;
                 }
                 self.mark(line, sense * step, next);
@@ -138,6 +147,11 @@ impl Tracer<'_> {
         met.sort_by_key(|&(step, _)| step);
         self.lines.push(met.into_iter().map(|(_, place)| place).collect());
         true
+    }
+
+    /// True of places that no line goes to.
+    fn beyond(&self, place: SurfacePoint) -> bool {
+        self.around.is_some_and(|(middle, reach)| self.mesh.position(place).distance(middle) > reach)
     }
 
     /// One step along the field, or against it; and which way it went, on the face arrived at.
@@ -264,6 +278,18 @@ mod tests {
             let straight = (b - a).abs();
             assert!(straight.x.min(straight.y) < 1e-6, "from {a} to {b} along an axis");
         }
+    }
+
+    #[test]
+    fn lines_stay_around_a_point_and_are_no_more_than_asked_for() {
+        let mesh = shapes::sphere(4);
+        let (field, _) = up(&mesh, DVec3::Z, 0.3).expect("a field");
+        let around = Some((DVec3::X, 0.5));
+        let lines = streamlines(&mesh, &field, &StreamlineOptions { around, ..StreamlineOptions::default() });
+        let far = lines.iter().flatten().map(|&p| mesh.position(p).distance(DVec3::X)).fold(0.0, f64::max);
+        assert!(!lines.is_empty() && far <= 0.5, "{} lines, as far as {far}", lines.len());
+        let few = streamlines(&mesh, &field, &StreamlineOptions { around, most: 3, ..StreamlineOptions::default() });
+        assert_eq!(few, lines[..3], "the first of them");
     }
 
     #[test]

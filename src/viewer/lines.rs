@@ -4,7 +4,7 @@
 //! the graphics device hides what is behind the model as it does everywhere. Their width and distance go by how near the eye
 //! is, in steps ([`Detail`]), and they are made anew when that changes.
 
-use crate::field::{NWaySingularity, TangentField, turning_points};
+use crate::field::{NWaySingularity, StreamlineOptions, TangentField, streamlines, turning_points};
 use crate::mesh::walk::walk;
 use crate::mesh::{Mesh, SurfacePoint};
 use glam::{DVec3, Vec3, Vec4};
@@ -18,10 +18,13 @@ const EDGE: f64 = 0.03;
 /// How far lines lie above the surface, as a share of their width, and at least as a share of the mesh's size.
 const LIFT: f64 = 0.35;
 const LEAST_LIFT: f64 = 2e-4;
-/// Steps of a streamline as a share of the distance of arrows, and how many it has at most.
+/// Distance of streamlines as a share of that of arrows, and how long they are at most, in these distances.
+const BESIDE: f64 = 0.8;
+const LONG: f64 = 30.0;
+/// Steps along an arrow as a share of the distance of arrows, and how many it has at most.
 const STEP: f64 = 0.2;
 const STEPS: usize = 120;
-/// A line ends where the field turns by more than this over a step, as a cosine.
+/// An arrow ends where the field turns by more than this over a step, as a cosine.
 const BREAK: f64 = 0.3;
 /// Arrows at most, and edges at most: of larger meshes only those near the point looked at, or none.
 const MOST_ARROWS: usize = 6000;
@@ -182,14 +185,7 @@ impl Pen<'_> {
     }
 
     /// The stations from a place along the field, or against it, until a length is gone, the field breaks, or `on` says no.
-    fn trace(
-        &self,
-        field: &TangentField,
-        from: SurfacePoint,
-        length: f64,
-        sign: f64,
-        mut on: impl FnMut(&Station) -> bool,
-    ) -> Vec<Station> {
+    fn trace(&self, field: &TangentField, from: SurfacePoint, length: f64, sign: f64) -> Vec<Station> {
         let step = STEP * self.spacing;
         let mut way = Vec::new();
         let (mut at, mut left) = (from, length);
@@ -201,14 +197,16 @@ impl Pen<'_> {
             }
             before = Some(direction);
             at = walk(self.mesh, at, direction * (sign * step.min(left)));
-            let station = self.station(at);
-            if !on(&station) {
-                break;
-            }
-            way.push(station);
+            way.push(self.station(at));
             left -= step;
         }
         way
+    }
+
+    /// How far from the point looked at there is something to be seen, if things `distance` apart are not to be too many.
+    fn reach(&self, distance: f64) -> f64 {
+        let expected = self.mesh.total_area() / (distance * distance);
+        if expected > MOST_ARROWS as f64 { distance * (MOST_ARROWS as f64 / 6.0).sqrt() } else { f64::INFINITY }
     }
 
     /// Places over the surface about `distance` apart, in the order of the faces; the ones around `near` if there are too many.
@@ -216,8 +214,7 @@ impl Pen<'_> {
         let mut taken: HashSet<[i64; 3]> = HashSet::new();
         let mut places = Vec::new();
         let cell = |p: DVec3| (p / distance).floor().to_array().map(|c| c as i64);
-        let expected = self.mesh.total_area() / (distance * distance);
-        let reach = if expected > MOST_ARROWS as f64 { distance * (MOST_ARROWS as f64 / 6.0).sqrt() } else { f64::INFINITY };
+        let reach = self.reach(distance);
         for face in 0..self.mesh.face_count() as u32 {
             let middle = self.mesh.centroid(face);
             let [a, b, c] = self.mesh.corners(face);
@@ -252,10 +249,10 @@ impl Pen<'_> {
         for place in self.places(self.spacing, near) {
             let relative = f64::from((field.up[place.face as usize].length() / median).clamp(0.45, 1.6));
             let half = 0.42 * self.spacing * relative;
-            let mut way = self.trace(field, place, half, -1.0, |_| true);
+            let mut way = self.trace(field, place, half, -1.0);
             way.reverse();
             way.push(self.station(place));
-            way.extend(self.trace(field, place, half, 1.0, |_| true));
+            way.extend(self.trace(field, place, half, 1.0));
             let width = WIDTH * self.spacing;
             for pair in way.windows(2) {
                 strips.strip([self.lifted(&pair[0]), self.lifted(&pair[1])], [width; 2], pair[0].normal, INK);
@@ -271,33 +268,18 @@ impl Pen<'_> {
     }
 
     fn streamlines(&self, field: &TangentField, near: DVec3, strips: &mut Strips) {
-        let distance = 0.55 * self.spacing;
-        let cell = |p: DVec3| (p / distance).floor().to_array().map(|c| c as i64);
-        let mut taken: HashSet<[i64; 3]> = HashSet::new();
+        let distance = BESIDE * self.spacing;
+        let (low, high) = self.mesh.bounds();
+        let size = (high - low).as_dvec3().length().max(f64::MIN_POSITIVE);
+        let options = StreamlineOptions {
+            spacing: distance / size,
+            longest: LONG,
+            around: Some((near, self.reach(distance))),
+            most: MOST_ARROWS,
+        };
         let width = 0.6 * WIDTH * self.spacing;
-        for place in self.places(1.2 * self.spacing, near) {
-            let start = self.station(place);
-            if taken.contains(&cell(start.position)) {
-                continue;
-            }
-            let mut mine = vec![cell(start.position)];
-            let mut half = |sign: f64| {
-                self.trace(field, place, 12.0 * self.spacing, sign, |station| {
-                    let here = cell(station.position);
-                    if mine.last() != Some(&here) {
-                        mine.push(here);
-                    }
-                    !taken.contains(&here)
-                })
-            };
-            let mut way = half(-1.0);
-            way.reverse();
-            way.push(start);
-            way.extend(half(1.0));
-            taken.extend(mine);
-            if way.len() < 5 {
-                continue;
-            }
+        for line in streamlines(self.mesh, field, &options) {
+            let way: Vec<Station> = line.into_iter().map(|at| self.station(at)).collect();
             for pair in way.windows(2) {
                 strips.strip([self.lifted(&pair[0]), self.lifted(&pair[1])], [width; 2], pair[0].normal, INK);
             }
