@@ -124,16 +124,22 @@ struct Ground {
 // The smallest cosine between ray and normal that widens the footprint.
 const MIN_SLANT = 0.05;
 
-fn ground(face: u32, bary: vec3f, at: vec2f) -> Ground {
-    let a = position(faces[3u * face]);
-    let b = position(faces[3u * face + 1u]);
-    let c = position(faces[3u * face + 2u]);
+// A face that nothing is known of but how it lies.
+fn spanned(a: vec3f, b: vec3f, c: vec3f) -> Ground {
     var g: Ground;
     g.edge1 = b - a;
     g.edge2 = c - a;
     let across = cross(g.edge1, g.edge2);
     g.area = length(across);
     g.normal = across / max(g.area, 1e-37);
+    return g;
+}
+
+fn ground(face: u32, bary: vec3f, at: vec2f) -> Ground {
+    let a = position(faces[3u * face]);
+    let b = position(faces[3u * face + 1u]);
+    let c = position(faces[3u * face + 2u]);
+    var g = spanned(a, b, c);
     let met = a * bary.x + b * bary.y + c * bary.z;
     let direction = ray(at).direction;
     let slant = dot(g.normal, direction);

@@ -41,7 +41,8 @@ struct Exemplar {
     size: vec2f,
     // Exemplar pixels to stored ones.
     shrink: f32,
-    repeats: u32,
+    // `REPEATS`, and whether it has heights: `HEIGHTS`.
+    flags: u32,
     // Layers of base colour, normal with height, roughness with metallic and occlusion, emission; -1: it has none.
     layers: vec4i,
 }
@@ -61,6 +62,8 @@ struct Exemplar {
 
 const MARKER = 0xffffffffu;
 const TINT = 0xfffffffeu;
+const REPEATS = 1u;
+const HEIGHTS = 2u;
 
 // The weight of the layer below a marker.
 fn layer_weight(entry: Entry, bary: vec3f) -> f32 {
@@ -80,6 +83,7 @@ struct Layer {
     base_color: vec3f,
     opacity: f32,
     normal: vec3f,
+    height: f32,
     roughness: f32,
     metallic: f32,
     occlusion: f32,
@@ -136,7 +140,7 @@ fn relief(exemplar: Exemplar, pixel: vec2f, slope: vec2f, depth: f32, over: Foot
 }
 
 fn wrapped(exemplar: Exemplar, pixel: vec2f) -> vec2f {
-    if exemplar.repeats != 0u {
+    if (exemplar.flags & REPEATS) != 0u {
         return pixel - exemplar.size * floor(pixel / exemplar.size);
     }
     return pixel;
@@ -223,8 +227,11 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
     layer.base_color = base.xyz;
     layer.opacity = base.w;
     layer.normal = g.normal;
-    if has(NORMAL) && exemplar.layers.y >= 0 {
-        let n = fetch(normal_maps, exemplar.layers.y, place, exemplar.shrink, over).xyz * 2.0 - 1.0;
+    layer.height = 0.5;
+    if exemplar.layers.y >= 0 {
+        let relief = fetch(normal_maps, exemplar.layers.y, place, exemplar.shrink, over);
+        layer.height = select(layer.height, relief.w, (exemplar.flags & HEIGHTS) != 0u);
+        let n = relief.xyz * 2.0 - 1.0;
         layer.normal = right * n.x - below * n.y + g.normal * n.z;
         let size = length(layer.normal);
         layer.normal = select(g.normal, layer.normal / size, size > 0.0);

@@ -17,6 +17,7 @@ struct Material {
     total: f32,
     base_color: vec3f,
     normal: vec3f,
+    height: f32,
     roughness: f32,
     metallic: f32,
     occlusion: f32,

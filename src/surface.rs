@@ -68,6 +68,17 @@ pub trait SurfaceTexture: Sync {
     /// The texture at a surface point, averaged over about `footprint` (world units, the width of a pixel there; 0 asks
     /// for the finest level).
     fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel;
+    /// The texture at many points at once, each with its footprint; `shown` is as long as `points`. Textures that another
+    /// machine knows, such as a graphics adapter, answer faster this way.
+    ///
+    /// # Errors
+    /// If that machine fails: a sentence.
+    fn texels(&self, points: &[(SurfacePoint, f32)], shown: &mut [Texel]) -> Result<(), String> {
+        for (&(at, footprint), shown) in points.iter().zip(shown) {
+            *shown = self.texel(at, footprint);
+        }
+        Ok(())
+    }
     /// The same as seen from a side: `to_eye` is the unit vector to the eye, world space. Only textures whose relief shifts
     /// what is seen look different from there.
     fn texel_seen(&self, at: SurfacePoint, footprint: f32, _to_eye: Vec3) -> Texel {

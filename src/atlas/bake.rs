@@ -10,6 +10,7 @@
 //! Rows are worked on in bands, each on its own, so that the result does not depend on the number of threads.
 
 use super::dilate::dilate;
+use super::mips::mip_levels;
 use super::raster::{BAND, Bands, Triangle};
 use super::seams::{SeamStatistics, Seams};
 use super::{Atlas, AtlasError, Frames};
@@ -32,11 +33,13 @@ pub struct BakeOptions {
     pub bare: Vec3,
     /// Whether both sides of each chart border are brought to agree.
     pub seams: bool,
+    /// Whether the mip levels of each page are made as well ([`mod@super::mips`]).
+    pub mips: bool,
 }
 
 impl Default for BakeOptions {
     fn default() -> Self {
-        Self { samples: 1, bare: Vec3::new(0.42, 0.40, 0.38), seams: true }
+        Self { samples: 1, bare: Vec3::new(0.42, 0.40, 0.38), seams: true, mips: false }
     }
 }
 
@@ -50,6 +53,8 @@ pub struct Page {
     pub images: Vec<(Channel, Image)>,
     /// Which texels a chart touches; rows from the top.
     pub covered: Vec<bool>,
+    /// The same images at the mip levels below, the largest first; empty unless they were asked for.
+    pub mips: Vec<Vec<(Channel, Image)>>,
 }
 
 impl Page {
@@ -83,7 +88,7 @@ pub struct Baked {
 /// Bakes a texture. `frames` needs tangents if the texture has normals.
 ///
 /// # Errors
-/// If `progress` cancels.
+/// If the texture cannot answer, or `progress` cancels.
 pub fn bake(
     mesh: &Mesh,
     atlas: &Atlas,
@@ -105,11 +110,17 @@ pub fn bake(
         dilate(&page.covered, atlas.size as usize, &mut page.images);
     }
     progress.stage("matching chart borders", 0);
-    let seams = Seams::new(mesh, atlas);
+    let seams = Seams::new(mesh, atlas, frames);
     if options.seams {
         seams.solve(&mut pages);
     }
     statistics.seams = seams.measure(&pages);
+    if options.mips {
+        progress.stage("making mip levels", 0);
+        for page in &mut pages {
+            page.mips = mip_levels(&page.covered, &page.images);
+        }
+    }
     if progress.cancelled() {
         return Err(AtlasError::Cancelled);
     }
@@ -158,60 +169,51 @@ impl Baker<'_> {
             let chunks = image.chunks_mut(BAND * size * channel.components());
             parts.iter_mut().zip(chunks).for_each(|(part, chunk)| part.push(chunk));
         }
-        let counts: Vec<[u64; 2]> = parts
+        let counts: Result<Vec<[u64; 2]>, AtlasError> = parts
             .into_par_iter()
             .zip(covered.par_chunks_mut(BAND * size))
             .enumerate()
             .map(|(band, (mut part, covered))| {
                 if progress.cancelled() {
-                    return [0; 2];
+                    return Err(AtlasError::Cancelled);
                 }
-                let samples = self.band(band, bands.faces(band), &mut part, covered);
+                let samples = self.band(band, bands.faces(band), &mut part, covered).map_err(AtlasError::Baker)?;
                 progress.done(self.done.fetch_add(1, Ordering::Relaxed) + 1);
-                [samples, covered.iter().filter(|&&c| c).count() as u64]
+                Ok([samples, covered.iter().filter(|&&c| c).count() as u64])
             })
             .collect();
-        if progress.cancelled() {
-            return Err(AtlasError::Cancelled);
-        }
-        for [samples, texels] in counts {
+        for [samples, texels] in counts? {
             statistics.samples += samples;
             statistics.covered_texels += texels;
         }
         let image = |((channel, _), data): (&(Channel, usize), Vec<f32>)| {
             Image::new(size as u32, size as u32, channel.components(), data).map(|image| (*channel, image))
         };
-        Ok(Page { images: self.layout.channels.iter().zip(images).filter_map(image).collect(), covered })
+        Ok(Page { images: self.layout.channels.iter().zip(images).filter_map(image).collect(), covered, mips: Vec::new() })
     }
 
     /// Bakes a band of rows; returns the samples asked for.
-    fn band(&self, band: usize, faces: &[u32], images: &mut [&mut [f32]], covered: &mut [bool]) -> u64 {
+    fn band(&self, band: usize, faces: &[u32], images: &mut [&mut [f32]], covered: &mut [bool]) -> Result<u64, String> {
         let size = self.atlas.size as usize;
         let top = (band * BAND) as i64;
         let rows = top..top + (covered.len() / size) as i64;
         let mut count = vec![0_u16; covered.len()];
-        // The nearest chart point to texels without samples: face, barycentric coordinates, distance.
-        let mut nearest: Vec<(u32, f32, u32, Vec3)> = Vec::new();
-        let mut values = vec![0.0; self.layout.width];
-        let mut asked = 0;
+        let mut questions = Questions::new(self);
+        let mut failed = None;
         for &face in faces {
             let Some(triangle) = Triangle::new(self.atlas.face_texels(face)) else { continue };
             let face = Face::new(self, face);
             triangle.samples(rows.clone(), self.options.samples, |x, y, bary| {
-                if x < 0 || x as usize >= size {
+                if x < 0 || x as usize >= size || failed.is_some() {
                     return;
                 }
                 let i = (y - top) as usize * size + x as usize;
-                asked += 1;
-                self.ask(&face, bary, &mut values);
                 count[i] += 1;
-                covered[i] = true;
-                for (image, &(channel, at)) in images.iter_mut().zip(&self.layout.channels) {
-                    let n = channel.components();
-                    (0..n).for_each(|k| image[i * n + k] += values[at + k]);
-                }
+                failed = questions.ask(i, &face, bary, images).err();
             });
         }
+        // The nearest chart point to texels without samples: face, barycentric coordinates, distance.
+        let mut nearest: Vec<(u32, f32, u32, Vec3)> = Vec::new();
         for &face in faces {
             let Some(triangle) = Triangle::new(self.atlas.face_texels(face)) else { continue };
             triangle.touched(rows.clone(), |x, y| {
@@ -222,29 +224,26 @@ impl Baker<'_> {
                 }
             });
         }
-        for i in 0..count.len() {
-            if count[i] > 1 {
-                let part = 1.0 / f32::from(count[i]);
-                for (image, (channel, _)) in images.iter_mut().zip(&self.layout.channels) {
-                    let n = channel.components();
-                    image[i * n..(i + 1) * n].iter_mut().for_each(|v| *v *= part);
-                }
-            }
-        }
         nearest.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         nearest.dedup_by_key(|n| n.0);
         for &(i, _, face, bary) in &nearest {
-            asked += 1;
-            let i = i as usize;
-            self.ask(&Face::new(self, face), bary, &mut values);
-            covered[i] = true;
-            for (image, &(channel, at)) in images.iter_mut().zip(&self.layout.channels) {
+            count[i as usize] = 1;
+            questions.ask(i as usize, &Face::new(self, face), bary, images)?;
+        }
+        questions.answer(images)?;
+        if let Some(failed) = failed {
+            return Err(failed);
+        }
+        for (i, &count) in count.iter().enumerate().filter(|(_, count)| **count > 1) {
+            let part = 1.0 / f32::from(count);
+            for (image, (channel, _)) in images.iter_mut().zip(&self.layout.channels) {
                 let n = channel.components();
-                image[i * n..(i + 1) * n].copy_from_slice(&values[at..at + n]);
+                image[i * n..(i + 1) * n].iter_mut().for_each(|v| *v *= part);
             }
         }
+        covered.iter_mut().zip(&count).for_each(|(covered, &count)| *covered = count > 0);
         self.unit_normals(images, covered);
-        asked
+        Ok(questions.asked)
     }
 
     /// Means of unit vectors are brought back to unit length.
@@ -257,9 +256,8 @@ impl Baker<'_> {
         }
     }
 
-    /// What a point shows, all channels.
-    fn ask(&self, face: &Face, bary: Vec3, out: &mut [f32]) {
-        let texel = self.texture.texel(SurfacePoint { face: face.index, bary }, face.footprint);
+    /// The numbers of a texel that a point shows, all channels.
+    fn numbers(&self, face: &Face, bary: Vec3, texel: &Texel, out: &mut [f32]) {
         for &(channel, at) in &self.layout.channels {
             match channel {
                 Channel::Normal => {
@@ -269,9 +267,60 @@ impl Baker<'_> {
                     let local = self.frames.frame(face.index, bary, smooth).transpose() * own;
                     local.write_to_slice(&mut out[at..]);
                 }
-                _ => shown(channel, &texel, self.options.bare, &mut out[at..]),
+                _ => shown(channel, texel, self.options.bare, &mut out[at..]),
             }
         }
+    }
+}
+
+/// Points asked about at once: few enough to stay small in memory, enough to keep an adapter busy.
+const QUESTIONS: usize = 1 << 15;
+
+/// Points that wait for an answer, and the texels they add to.
+struct Questions<'a> {
+    baker: &'a Baker<'a>,
+    points: Vec<(SurfacePoint, f32)>,
+    /// For each point its texel and its place in `faces`.
+    to: Vec<(u32, u32)>,
+    faces: Vec<Face>,
+    shown: Vec<Texel>,
+    values: Vec<f32>,
+    asked: u64,
+}
+
+impl<'a> Questions<'a> {
+    fn new(baker: &'a Baker<'a>) -> Self {
+        let values = vec![0.0; baker.layout.width];
+        Self { baker, points: Vec::new(), to: Vec::new(), faces: Vec::new(), shown: Vec::new(), values, asked: 0 }
+    }
+
+    /// Asks about a point of a face, for a texel.
+    fn ask(&mut self, texel: usize, face: &Face, bary: Vec3, images: &mut [&mut [f32]]) -> Result<(), String> {
+        if self.faces.last().is_none_or(|last| last.index != face.index) {
+            self.faces.push(*face);
+        }
+        self.points.push((SurfacePoint { face: face.index, bary }, face.footprint));
+        self.to.push((texel as u32, self.faces.len() as u32 - 1));
+        if self.points.len() < QUESTIONS { Ok(()) } else { self.answer(images) }
+    }
+
+    /// Adds the answers to the texels.
+    fn answer(&mut self, images: &mut [&mut [f32]]) -> Result<(), String> {
+        self.asked += self.points.len() as u64;
+        self.shown.resize(self.points.len(), Texel::empty(Vec3::Z));
+        self.baker.texture.texels(&self.points, &mut self.shown)?;
+        for ((&(at, _), &(texel, face)), shown) in self.points.iter().zip(&self.to).zip(&self.shown) {
+            self.baker.numbers(&self.faces[face as usize], at.bary, shown, &mut self.values);
+            for (image, &(channel, first)) in images.iter_mut().zip(&self.baker.layout.channels) {
+                let n = channel.components();
+                let texel = &mut image[texel as usize * n..][..n];
+                texel.iter_mut().zip(&self.values[first..]).for_each(|(sum, value)| *sum += value);
+            }
+        }
+        self.points.clear();
+        self.to.clear();
+        self.faces.clear();
+        Ok(())
     }
 }
 
@@ -292,6 +341,7 @@ fn shown(channel: Channel, texel: &Texel, bare: Vec3, out: &mut [f32]) {
 }
 
 /// What the samples of a face share.
+#[derive(Debug, Clone, Copy)]
 struct Face {
     index: u32,
     normal: Vec3,

@@ -15,6 +15,7 @@ pub mod frames;
 pub mod grow;
 pub mod keep;
 pub mod measure;
+pub mod mips;
 pub mod raster;
 pub mod seams;
 pub mod texture;
@@ -24,6 +25,7 @@ pub use charts::{ChartMethod, UnwrapOptions, unwrap};
 pub use frames::Frames;
 pub use keep::keep;
 pub use measure::{Stretch, stretch};
+pub use mips::mip_levels;
 pub use texture::AtlasTexture;
 
 use crate::mesh::{Mesh, NONE};
@@ -60,6 +62,9 @@ pub enum AtlasError {
     /// The surface cannot be displaced.
     #[error("the surface cannot be displaced: {0}")]
     Displace(String),
+    /// What was to answer for the texture failed.
+    #[error("the texture cannot be baked: {0}: bake on the processor (--baker cpu)")]
+    Baker(String),
     /// Asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -2,13 +2,13 @@
 
 use super::bar::Bar;
 use super::{Common, picture, report};
-use crate::atlas::{Atlas, BakeOptions, ChartMethod, UnwrapOptions};
-use crate::format::export::{Export, Kind, write_layers, write_look};
+use crate::atlas::{Atlas, AtlasError, BakeOptions, ChartMethod, UnwrapOptions};
+use crate::format::export::{Export, Kind, write_layers, write_look, write_mips};
 use crate::format::{Model, Record, check_output, read_record, save_image, write_record};
 use crate::job::bake::{chart_colors, default_samples, default_size, page_view, with_normals};
 use crate::job::{BakeJob, BakeReport, BakedModel, Bound, Coordinates, Displace, bake_record, bake_record_sized, displace_mesh};
 use crate::mesh::Mesh;
-use crate::paste::Composite;
+use crate::paste::Compositing;
 use crate::render::{PreviewStyle, Subject, UpAxis, preview};
 use anyhow::{Context, bail};
 use clap::Args;
@@ -45,8 +45,8 @@ pub struct BakeArgs {
     /// Faces to cut a displaced mesh into, about
     #[arg(long, value_name = "N", default_value_t = Displace::FACES, requires = "displace")]
     pub displace_faces: usize,
-    /// Write the pastes themselves as overlapping primitives, blended by alpha: no atlas, but only base colour
-    #[arg(long, conflicts_with_all = ["displace", "size", "pages", "mips", "bake_samples", "charts", "uv", "no_record"])]
+    /// Write the pastes themselves as overlapping primitives, blended by alpha: no atlas; heights and opacity are lost
+    #[arg(long, conflicts_with_all = ["displace", "size", "pages", "mips", "mip_chain", "bake_samples", "charts", "uv", "baker", "bake_adapter", "no_record"])]
     pub layers: bool,
     /// Also draw the charts on the model: four views on one sheet
     #[arg(long, value_name = "FILE.png", help_heading = "Pictures", conflicts_with = "layers")]
@@ -75,6 +75,9 @@ pub struct AtlasArgs {
     /// Mip levels below the finest that show no other chart's colour; each doubles the gutters
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(0..=8))]
     pub mips: u32,
+    /// Also write all mip levels of each map, beside the file, as KTX 2.0 (.ktx2)
+    #[arg(long)]
+    pub mip_chain: bool,
     /// Samples along each side of a texel: 1, 2, 4 or 8 [default: as many as it holds pixels of the exemplar, about]
     #[arg(long, value_name = "N", value_parser = samples)]
     pub bake_samples: Option<u32>,
@@ -84,6 +87,12 @@ pub struct AtlasArgs {
     /// Where texels lie: in charts that are made, or in the model's own coordinates
     #[arg(long, value_enum, value_name = "WHERE", default_value_t = UvArg::Charts)]
     pub uv: UvArg,
+    /// What composites the pastes at each texel
+    #[arg(long, value_enum, value_name = "BY", default_value_t = BakerArg::Auto)]
+    pub baker: BakerArg,
+    /// Graphics adapter to bake on: a number or a part of a name as `lapped inspect --gpu` lists them
+    #[arg(long, value_name = "NAME")]
+    pub bake_adapter: Option<String>,
 }
 
 fn length(text: &str) -> Result<f64, String> {
@@ -115,7 +124,33 @@ pub enum UvArg {
     Keep,
 }
 
+/// What composites pastes for a bake.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum BakerArg {
+    /// A graphics adapter if there is one in hardware, else the processor
+    #[default]
+    Auto,
+    /// The processor
+    Cpu,
+    /// A graphics adapter
+    Gpu,
+}
+
 impl AtlasArgs {
+    /// What composites the pastes: an adapter only if it can be used, unless it was asked for.
+    fn compositing(&self, common: &Common) -> anyhow::Result<Compositing> {
+        let named = self.bake_adapter.as_deref();
+        match self.baker {
+            BakerArg::Cpu if named.is_some() => bail!("--bake-adapter is for baking on an adapter: leave out --baker cpu"),
+            BakerArg::Cpu => Ok(Compositing::default()),
+            BakerArg::Auto if named.is_none() => Ok(if_hardware().unwrap_or_else(|e| {
+                common.warn(&format!("the processor bakes: {e:#}"));
+                Compositing::default()
+            })),
+            BakerArg::Auto | BakerArg::Gpu => on_adapter(named),
+        }
+    }
+
     /// The job for a record, at a size that suits it unless one was given.
     #[must_use]
     pub fn job(&self, bound: &Bound) -> BakeJob {
@@ -137,10 +172,34 @@ impl AtlasArgs {
                 },
                 ..UnwrapOptions::default()
             },
-            bake: BakeOptions { samples, ..BakeOptions::default() },
+            bake: BakeOptions { samples, mips: self.mip_chain, ..BakeOptions::default() },
             crease: None,
+            compositing: Compositing::default(),
         }
     }
+}
+
+#[cfg(feature = "gpu")]
+fn on_adapter(name: Option<&str>) -> anyhow::Result<Compositing> {
+    use crate::render::gpu::{Gpu, GpuComposite, GpuOptions};
+    let gpu = Gpu::new(&GpuOptions { adapter: name.map(str::to_owned), limits: None })?;
+    Ok(Compositing(Some(std::sync::Arc::new(GpuComposite::new(gpu)?))))
+}
+
+#[cfg(not(feature = "gpu"))]
+fn on_adapter(_name: Option<&str>) -> anyhow::Result<Compositing> {
+    bail!("this program was built without graphics adapters (the cargo feature gpu): bake with --baker cpu")
+}
+
+/// An adapter of hardware if there is one; one in software has nothing over the processor.
+#[cfg(feature = "gpu")]
+fn if_hardware() -> anyhow::Result<Compositing> {
+    if crate::render::gpu::has_hardware() { on_adapter(None) } else { Ok(Compositing::default()) }
+}
+
+#[cfg(not(feature = "gpu"))]
+fn if_hardware() -> anyhow::Result<Compositing> {
+    Ok(Compositing::default())
 }
 
 #[derive(Debug, Serialize)]
@@ -176,7 +235,7 @@ pub fn run(args: &BakeArgs) -> anyhow::Result<()> {
     let bound = Bound::new(record.clone()).with_context(name)?;
     let (record, atlas, report) = match args.displace {
         Some(height) => displaced(args, &record, &bound, height, &bar).with_context(name)?,
-        None => baked(record, &bound, &args.atlas, &bar).with_context(name)?,
+        None => baked(&record, &bound, &args.atlas, &args.common, &bar).with_context(name)?,
     };
     pictures(args, &bound.mesh, &atlas, &bar)?;
     bar.finish();
@@ -204,13 +263,35 @@ pub fn run(args: &BakeArgs) -> anyhow::Result<()> {
 /// A record with its bake.
 ///
 /// # Errors
-/// If the charts do not fit.
-pub(super) fn baked(record: Record, bound: &Bound, args: &AtlasArgs, bar: &Bar) -> anyhow::Result<(Record, Atlas, BakeReport)> {
-    let job = args.job(bound);
-    Ok(match args.size {
-        Some(_) => bake_record(record, bound, &job, bar)?,
-        None => bake_record_sized(&record, bound, &job, bar)?,
+/// If the charts do not fit, or the adapter that was asked for cannot bake.
+pub(super) fn baked(
+    record: &Record,
+    bound: &Bound,
+    args: &AtlasArgs,
+    common: &Common,
+    bar: &Bar,
+) -> anyhow::Result<(Record, Atlas, BakeReport)> {
+    by_any(args, bound, common, |job| match args.size {
+        Some(_) => bake_record(record.clone(), bound, job, bar),
+        None => bake_record_sized(record, bound, job, bar),
     })
+}
+
+/// Does a bake by what was asked for; by the processor where an adapter that nobody asked for fails.
+fn by_any<T>(
+    args: &AtlasArgs,
+    bound: &Bound,
+    common: &Common,
+    bake: impl Fn(&BakeJob) -> Result<T, AtlasError>,
+) -> anyhow::Result<T> {
+    let job = BakeJob { compositing: args.compositing(common)?, ..args.job(bound) };
+    match bake(&job) {
+        Err(AtlasError::Baker(what)) if args.baker == BakerArg::Auto && args.bake_adapter.is_none() => {
+            common.warn(&format!("the processor bakes: {what}"));
+            Ok(bake(&BakeJob { compositing: Compositing::default(), ..job })?)
+        }
+        done => Ok(done?),
+    }
 }
 
 /// The pictures of charts that were asked for.
@@ -235,10 +316,11 @@ fn displaced(
     height: f64,
     bar: &Bar,
 ) -> anyhow::Result<(Record, Atlas, BakeReport)> {
-    let texture = Composite::new(&bound.mesh, &bound.lapped);
-    let job = args.atlas.job(bound);
     let displace = Displace { height, faces: args.displace_faces };
-    let BakedModel { model, look, atlas, report } = displace_mesh(&bound.mesh, &texture, &job, &displace, bar)?;
+    let BakedModel { model, look, atlas, report } = by_any(&args.atlas, bound, &args.common, |job| {
+        let texture = job.compositing.of(&bound.mesh, &bound.lapped).map_err(AtlasError::Baker)?;
+        displace_mesh(&bound.mesh, texture.as_ref(), job, &displace, bar)
+    })?;
     let model = Model { name: record.model.name.clone(), ..model };
     Ok((Record { model, look: Some(look), generator: record.generator.clone(), ..Record::default() }, atlas, report))
 }
@@ -260,7 +342,7 @@ fn layers(args: &BakeArgs, kind: Kind, mut record: Record, begin: Instant) -> an
         let seconds = begin.elapsed().as_secs_f64();
         writeln!(
             std::io::stdout(),
-            "{}: {} pastes as {} primitives of {} triangles, {} materials, base colour only, in {seconds:.2} s",
+            "{}: {} pastes as {} primitives of {} triangles, {} materials, in {seconds:.2} s",
             args.output.display(),
             record.lapped.pastes.len(),
             report.primitives,
@@ -281,6 +363,7 @@ fn write(path: &Path, kind: Kind, record: &Record, plain: bool) -> anyhow::Resul
     } else {
         write_look(path, kind, &Export { model: &record.model, look, generator: &record.generator })?;
     }
+    write_mips(path, look)?;
     Ok(())
 }
 

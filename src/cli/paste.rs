@@ -216,7 +216,7 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
         let name = || args.mesh.display().to_string();
         let record = std::mem::take(&mut pasted.record);
         let bound = Bound::new(record.clone()).with_context(name)?;
-        let (record, _, report) = baked(record, &bound, &args.atlas, &bar).with_context(name)?;
+        let (record, _, report) = baked(&record, &bound, &args.atlas, &args.common, &bar).with_context(name)?;
         bar.finish();
         pasted.record = record;
         bake = Some(report);

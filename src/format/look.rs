@@ -6,12 +6,10 @@ use super::gltf::document::Document;
 use super::gltf::{glb, scene, uri};
 use super::model::Model;
 use super::picture::{Transfer, decode};
+use super::pixels::{Pixels, Slot, slots};
 use super::{FormatError, read_file};
-use crate::exemplar::{Channel, Image, srgb};
+use crate::exemplar::{Channel, Image};
 use glam::{Vec2, Vec3, Vec4};
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
-use rayon::prelude::*;
 use serde_json::Value;
 use std::path::Path;
 
@@ -26,45 +24,8 @@ pub struct Look {
     pub pages: Vec<Vec<(Channel, Image)>>,
     /// For each face its page; empty if there is one page.
     pub face_page: Vec<u32>,
-}
-
-/// An image file of a page.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Slot {
-    /// Base colour, with opacity as alpha.
-    Color,
-    /// Occlusion, roughness and metallic as red, green and blue.
-    Orm,
-    /// Tangent-space normal.
-    Normal,
-    /// Emitted light.
-    Emissive,
-    /// Height, 16 bits.
-    Height,
-    /// Roughness alone, for formats that have no packed maps.
-    Roughness,
-    /// Metallic alone.
-    Metallic,
-    /// Occlusion alone.
-    Occlusion,
-    /// Opacity alone.
-    Opacity,
-}
-
-impl Slot {
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Color => "color",
-            Self::Orm => "orm",
-            Self::Normal => "normal",
-            Self::Emissive => "emissive",
-            Self::Height => "height",
-            Self::Roughness => "roughness",
-            Self::Metallic => "metallic",
-            Self::Occlusion => "occlusion",
-            Self::Opacity => "opacity",
-        }
-    }
+    /// For each page its mip levels below the finest, the largest first, if they are to be kept.
+    pub mips: Vec<Vec<Vec<(Channel, Image)>>>,
 }
 
 impl Look {
@@ -85,98 +46,15 @@ impl Look {
         Ok(())
     }
 
-    fn image(&self, page: usize, channel: Channel) -> Option<&Image> {
-        self.pages[page].iter().find(|(c, _)| *c == channel).map(|(_, image)| image)
-    }
-
     /// The image files that a page needs in glTF.
     pub(crate) fn slots(&self, page: usize) -> Vec<Slot> {
-        let has = |c: Channel| self.image(page, c).is_some();
-        let packed = has(Channel::Occlusion) || has(Channel::Roughness) || has(Channel::Metallic);
-        [
-            (Slot::Color, has(Channel::BaseColor)),
-            (Slot::Orm, packed),
-            (Slot::Normal, has(Channel::Normal)),
-            (Slot::Emissive, has(Channel::Emissive)),
-            (Slot::Height, has(Channel::Height)),
-        ]
-        .into_iter()
-        .filter_map(|(slot, there)| there.then_some(slot))
-        .collect()
+        slots(&self.pages[page])
     }
 
     /// One of them, encoded.
     pub(crate) fn png(&self, page: usize, slot: Slot) -> Result<Vec<u8>, String> {
-        let single = |channel: Channel| self.image(page, channel).map_or(Err(NOT_THERE.to_owned()), grey);
-        match slot {
-            Slot::Color => {
-                let color = self.image(page, Channel::BaseColor).ok_or(NOT_THERE)?;
-                match self.image(page, Channel::Opacity) {
-                    None => encode::<3>(color.size(), ExtendedColorType::Rgb8, |i| {
-                        [0, 1, 2].map(|c| srgb::to_byte(color.data()[3 * i + c]))
-                    }),
-                    Some(opacity) => encode::<4>(color.size(), ExtendedColorType::Rgba8, |i| {
-                        let [r, g, b] = [0, 1, 2].map(|c| srgb::to_byte(color.data()[3 * i + c]));
-                        [r, g, b, byte(opacity.data()[i])]
-                    }),
-                }
-            }
-            Slot::Emissive => {
-                let color = self.image(page, Channel::Emissive).ok_or(NOT_THERE)?;
-                encode::<3>(color.size(), ExtendedColorType::Rgb8, |i| [0, 1, 2].map(|c| srgb::to_byte(color.data()[3 * i + c])))
-            }
-            Slot::Normal => {
-                let normal = self.image(page, Channel::Normal).ok_or(NOT_THERE)?;
-                encode::<3>(normal.size(), ExtendedColorType::Rgb8, |i| {
-                    [0, 1, 2].map(|c| byte(0.5 + 0.5 * normal.data()[3 * i + c]))
-                })
-            }
-            Slot::Orm => {
-                let size = self.pages[page].first().ok_or(NOT_THERE)?.1.size();
-                let parts = [Channel::Occlusion, Channel::Roughness, Channel::Metallic].map(|c| self.image(page, c));
-                encode::<3>(size, ExtendedColorType::Rgb8, |i| parts.map(|p| p.map_or(255, |image| byte(image.data()[i]))))
-            }
-            Slot::Height => {
-                let height = self.image(page, Channel::Height).ok_or(NOT_THERE)?;
-                encode::<2>(height.size(), ExtendedColorType::L16, |i| ((height.data()[i] * 65535.0).round() as u16).to_ne_bytes())
-            }
-            Slot::Roughness => single(Channel::Roughness),
-            Slot::Metallic => single(Channel::Metallic),
-            Slot::Occlusion => single(Channel::Occlusion),
-            Slot::Opacity => single(Channel::Opacity),
-        }
+        Pixels::new(&self.pages[page], slot)?.png()
     }
-}
-
-const NOT_THERE: &str = "the bake lacks a channel that it is to write";
-
-fn byte(value: f32) -> u8 {
-    // `as` saturates and takes NaN to 0.
-    (value * 255.0).round() as u8
-}
-
-fn grey(image: &Image) -> Result<Vec<u8>, String> {
-    encode::<1>(image.size(), ExtendedColorType::L8, |i| [byte(image.data()[i])])
-}
-
-/// Encodes an image given texel by texel. Atlases are large: speed before the last percent of size.
-pub(crate) fn encode<const N: usize>(
-    [width, height]: [u32; 2],
-    color: ExtendedColorType,
-    texel: impl Fn(usize) -> [u8; N] + Sync,
-) -> Result<Vec<u8>, String> {
-    let mut bytes = vec![0; N * width as usize * height as usize];
-    let row = N * width as usize;
-    bytes.par_chunks_mut(row).enumerate().for_each(|(y, line)| {
-        for (x, out) in line.as_chunks_mut::<N>().0.iter_mut().enumerate() {
-            *out = texel(y * width as usize + x);
-        }
-    });
-    let mut png = Vec::new();
-    PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Adaptive)
-        .write_image(&bytes, width, height, color)
-        .map_err(|e| e.to_string())?;
-    Ok(png)
 }
 
 /// Reads how a glTF file looks: its primitive with texture coordinates and embedded images. `None` if it has none, or is no

@@ -6,13 +6,15 @@
 //!    normal. Faces keep their number, their order and their winding.
 
 use super::Bound;
-use crate::atlas::{Atlas, AtlasError, BakeOptions, BakeStatistics, Frames, Stretch, UnwrapOptions, bake, keep, stretch, unwrap};
+use crate::atlas::{
+    Atlas, AtlasError, BakeOptions, BakeStatistics, Frames, Page, Stretch, UnwrapOptions, bake, keep, stretch, unwrap,
+};
 use crate::exemplar::{Channel, Image};
 use crate::format::corners::join_corners;
 use crate::format::{Look, Model, Record};
 use crate::mesh::clean::UserFace;
 use crate::mesh::{CleanOptions, Cleaned, Mesh, MeshError, NONE, SurfacePoint, clean};
-use crate::paste::{Composite, LappedTexture};
+use crate::paste::{Compositing, LappedTexture};
 use crate::progress::Progress;
 use crate::render::ChartColors;
 use crate::render::normals::{corner_normals, crease_angle};
@@ -45,6 +47,8 @@ pub struct BakeJob {
     /// Edges that turn by more than this, in radians, stay sharp in the normals of a model that has none; `None` chooses by
     /// the mesh.
     pub crease: Option<f64>,
+    /// What composites a record's pastes.
+    pub compositing: Compositing,
 }
 
 /// Figures of a bake.
@@ -141,7 +145,7 @@ pub fn bake_model(
     };
     let baked = bake(mesh, &atlas, &frames, texture, &job.bake, progress)?;
     let (model, mut look) = outgoing(model, user_faces, &atlas, &frames);
-    look.pages = baked.pages.into_iter().map(|page| page.images).collect();
+    take_pages(&mut look, baked.pages);
     let report = BakeReport {
         vertices: model.positions.len(),
         unwrap_seconds,
@@ -149,6 +153,14 @@ pub fn bake_model(
         ..BakeReport::new(mesh, &atlas, stretch(mesh, &atlas), baked.statistics)
     };
     Ok(BakedModel { model, look, atlas, report })
+}
+
+/// Puts what was baked into a look.
+pub(super) fn take_pages(look: &mut Look, pages: Vec<Page>) {
+    let with_mips = pages.iter().any(|page| !page.mips.is_empty());
+    let (pages, mips): (Vec<_>, Vec<_>) = pages.into_iter().map(|page| (page.images, page.mips)).unzip();
+    look.pages = pages;
+    look.mips = if with_mips { mips } else { Vec::new() };
 }
 
 /// Bakes what a record's pastes show; the record then holds both. `bound` is the record on its clean mesh.
@@ -161,8 +173,8 @@ pub fn bake_record(
     job: &BakeJob,
     progress: &dyn Progress,
 ) -> Result<(Record, Atlas, BakeReport), AtlasError> {
-    let texture = Composite::new(&bound.mesh, &bound.lapped);
-    let made = bake_model(&record.model, &bound.mesh, &bound.user_faces, &texture, job, progress)?;
+    let texture = job.compositing.of(&bound.mesh, &bound.lapped).map_err(AtlasError::Baker)?;
+    let made = bake_model(&record.model, &bound.mesh, &bound.user_faces, texture.as_ref(), job, progress)?;
     let BakedModel { model, look, atlas, report } = made;
     Ok((Record { model, look: Some(look), ..record }, atlas, report))
 }
@@ -291,6 +303,7 @@ fn outgoing(model: &Model, user_faces: &[UserFace], atlas: &Atlas, frames: &Fram
             kept.iter().map(|(_, at)| of(at).unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0))).collect()
         }),
         pages: Vec::new(),
+        mips: Vec::new(),
         face_page: if atlas.pages > 1 {
             user_faces.iter().map(|to| if to.face == NONE { 0 } else { atlas.page_of(to.face) }).collect()
         } else {

@@ -1,11 +1,13 @@
 //! A model whose relief is real: the mesh cut fine and moved by the texture's height, with the atlas of the mesh it came from.
 //!
-//! 1. Unwrap and bake as ever; the normal map is left out, since the geometry now has what it stood for.
-//! 2. Cut faces until none is larger than asked ([`cut_larger`]); the atlas follows, since cutting moves nothing.
+//! 1. Unwrap the mesh, and cut its faces until none is larger than asked ([`cut_larger`]); the atlas follows, since cutting moves
+//!    nothing.
+//! 2. Bake as ever. Of the normal map only what the geometry cannot have is left: how the normals at a texel differ from their mean
+//!    over a face of the fine mesh. Where faces are no larger than texels, that is nothing, and no normal map is written.
 //! 3. Move each vertex along its smooth normal by its height. A vertex on a chart border is one vertex while it moves, so
 //!    nothing tears.
 
-use super::bake::{BakeJob, BakeReport, BakedModel, Coordinates};
+use super::bake::{BakeJob, BakeReport, BakedModel, Coordinates, take_pages};
 use crate::atlas::{Atlas, AtlasError, Frames, bake, stretch, unwrap};
 use crate::exemplar::{Channel, ChannelSet};
 use crate::format::{Look, Model};
@@ -14,7 +16,7 @@ use crate::mesh::{Mesh, SurfacePoint};
 use crate::progress::Progress;
 use crate::render::normals::{corner_normals, crease_angle};
 use crate::surface::{SurfaceTexture, Texel};
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2};
 use std::time::Instant;
 
 /// How to displace.
@@ -37,16 +39,48 @@ const MEAN_SHARE: f64 = 0.5;
 /// Places that rounding alone keeps apart, as a share of the page.
 const SAME_PLACE: f32 = 1e-6;
 
-/// A texture without its normals.
-struct WithoutNormals<'a>(&'a dyn SurfaceTexture);
+/// A texture whose normals have only what is finer than a width; none at all without one.
+struct Finer<'a> {
+    texture: &'a dyn SurfaceTexture,
+    mesh: &'a Mesh,
+    width: Option<f32>,
+}
 
-impl SurfaceTexture for WithoutNormals<'_> {
+impl Finer<'_> {
+    /// What is left of a normal, given its mean around.
+    fn rest(&self, face: u32, texel: &mut Texel, mean: &Texel) {
+        let flat = self.mesh.normal(face).as_vec3().try_normalize();
+        if let (Some(flat), Some(mean), Some(own)) = (flat, mean.normal.try_normalize(), texel.normal.try_normalize()) {
+            texel.normal = (Quat::from_rotation_arc(mean, flat) * own).normalize_or(flat);
+        }
+    }
+}
+
+impl SurfaceTexture for Finer<'_> {
     fn channels(&self) -> ChannelSet {
-        self.0.channels().iter().filter(|&c| c != Channel::Normal).fold(ChannelSet::default(), ChannelSet::with)
+        let kept = |c: &Channel| *c != Channel::Normal || self.width.is_some();
+        self.texture.channels().iter().filter(kept).fold(ChannelSet::default(), ChannelSet::with)
     }
 
     fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
-        self.0.texel(at, footprint)
+        let mut texel = self.texture.texel(at, footprint);
+        if let Some(width) = self.width {
+            self.rest(at.face, &mut texel, &self.texture.texel(at, width));
+        }
+        texel
+    }
+
+    fn texels(&self, points: &[(SurfacePoint, f32)], shown: &mut [Texel]) -> Result<(), String> {
+        self.texture.texels(points, shown)?;
+        if let Some(width) = self.width {
+            let wide: Vec<(SurfacePoint, f32)> = points.iter().map(|&(at, _)| (at, width)).collect();
+            let mut means = shown.to_vec();
+            self.texture.texels(&wide, &mut means)?;
+            for ((&(at, _), texel), mean) in points.iter().zip(shown).zip(&means) {
+                self.rest(at.face, texel, mean);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -71,18 +105,24 @@ pub fn displace_mesh(
     let atlas = unwrap(mesh, &job.unwrap, progress)?;
     let unwrap_seconds = begin.elapsed().as_secs_f64();
     let begin = Instant::now();
-    let flat = WithoutNormals(texture);
     let crease = job.crease.unwrap_or_else(|| crease_angle(mesh));
-    let baked = bake(mesh, &atlas, &Frames::smooth(corner_normals(mesh, crease)), &flat, &job.bake, progress)?;
-
-    progress.stage("displacing", 0);
     let largest = mesh.total_area() / (displace.faces.max(1) as f64 * MEAN_SHARE);
     let fine = cut_larger(mesh, largest).map_err(|e| AtlasError::Displace(e.to_string()))?;
     let fine = fine.unwrap_or_else(|| Subdivision::none(mesh));
+    // Two faces make up a square of this side.
+    let width = (2.0 * mesh.total_area() / fine.mesh.face_count().max(1) as f64).sqrt();
+    let finer = texture.channels().has(Channel::Normal) && width * atlas.density(mesh) > 1.0;
+    let kept = Finer { texture, mesh, width: finer.then_some(width as f32) };
+    let normals = corner_normals(mesh, crease);
+    let frames = if finer { Frames::with_tangents(mesh, &atlas, normals) } else { Frames::smooth(normals) };
+    let baked = bake(mesh, &atlas, &frames, &kept, &job.bake, progress)?;
+
+    progress.stage("displacing", 0);
     let moved = moved(&fine, texture, displace.height);
     let normals = corner_normals(&moved, crease);
-    let (model, mut look) = split(&moved, &fine, &atlas, &normals);
-    look.pages = baked.pages.into_iter().map(|page| page.images).collect();
+    let frames = if finer { Frames::with_tangents(&moved, &on_pieces(&fine, &atlas), normals) } else { Frames::smooth(normals) };
+    let (model, mut look) = split(&moved, &fine, &atlas, &frames);
+    take_pages(&mut look, baked.pages);
     let report = BakeReport {
         vertices: model.positions.len(),
         unwrap_seconds,
@@ -113,20 +153,38 @@ fn moved(fine: &Subdivision, texture: &dyn SurfaceTexture, height: f64) -> Mesh 
     Mesh { positions, ..mesh.clone() }
 }
 
+/// The place in the atlas of a corner of a fine face.
+fn place(fine: &Subdivision, atlas: &Atlas, face: usize, corner: usize) -> Vec2 {
+    let [a, b, c] = atlas.face_uv(fine.parent[face]);
+    let bary = fine.corners[face][corner];
+    a * bary.x + b * bary.y + c * bary.z
+}
+
+/// The atlas with the faces as they are cut, every corner for itself.
+fn on_pieces(fine: &Subdivision, atlas: &Atlas) -> Atlas {
+    let faces = 0..fine.parent.len();
+    Atlas {
+        chart: fine.parent.iter().map(|&f| atlas.chart[f as usize]).collect(),
+        corners: faces.clone().map(|f| [0, 1, 2].map(|k| 3 * f as u32 + k)).collect(),
+        vertices: fine.mesh.faces.as_flattened().to_vec(),
+        uv: faces.flat_map(|f| [0, 1, 2].map(|k| place(fine, atlas, f, k))).collect(),
+        ..atlas.clone()
+    }
+}
+
 /// The model of a mesh whose vertices are split where the atlas or the normals are.
-fn split(mesh: &Mesh, fine: &Subdivision, atlas: &Atlas, normals: &[[Vec3; 3]]) -> (Model, Look) {
+fn split(mesh: &Mesh, fine: &Subdivision, atlas: &Atlas, frames: &Frames) -> (Model, Look) {
     let (mut model, mut look) = (Model::default(), Look::default());
     let mut out_normals = Vec::new();
+    let mut tangents = Vec::new();
     // For each vertex the copies made of it so far, as a chain.
     let none = u32::MAX;
     let mut first = vec![none; mesh.vertex_count()];
     let mut following: Vec<u32> = Vec::new();
     for (f, corners) in mesh.faces.iter().enumerate() {
-        let place = atlas.face_uv(fine.parent[f]);
         model.faces.push([0, 1, 2].map(|k| {
-            let bary = fine.corners[f][k];
-            let uv: Vec2 = place[0] * bary.x + place[1] * bary.y + place[2] * bary.z;
-            let (vertex, normal) = (corners[k] as usize, normals[f][k]);
+            let uv = place(fine, atlas, f, k);
+            let (vertex, normal) = (corners[k] as usize, frames.normals[f][k]);
             let mut at = first[vertex];
             while at != none {
                 let i = at as usize;
@@ -139,6 +197,7 @@ fn split(mesh: &Mesh, fine: &Subdivision, atlas: &Atlas, normals: &[[Vec3; 3]]) 
             let made = look.uv.len() as u32;
             model.positions.push(mesh.positions[vertex]);
             out_normals.push(normal);
+            tangents.extend(frames.tangents.get(f).map(|t| t[k]));
             look.uv.push(uv);
             following.push(std::mem::replace(&mut first[vertex], made));
             made
@@ -148,5 +207,6 @@ fn split(mesh: &Mesh, fine: &Subdivision, atlas: &Atlas, normals: &[[Vec3; 3]]) 
         }
     }
     model.normals = Some(out_normals);
+    look.tangents = (!tangents.is_empty()).then_some(tangents);
     (model, look)
 }

@@ -10,6 +10,7 @@
 
 pub mod audit;
 pub mod composite;
+pub mod composite_backend;
 pub mod coverage;
 pub mod coverage_backend;
 pub mod fit;
@@ -26,6 +27,7 @@ pub mod watch;
 pub mod window;
 
 pub use composite::Composite;
+pub use composite_backend::{CompositeBackend, Compositing};
 pub use coverage_backend::{Coverage, CoverageBackend};
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};

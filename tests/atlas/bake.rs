@@ -127,8 +127,9 @@ fn every_channel_comes_back_at_every_point() {
         }
         angles.sort_by(f32::total_cmp);
         let most = angles[angles.len() * 99 / 100];
-        // The normals given turn by nine radians over the model, and jump a little from face to face.
-        assert!(most < 0.15, "{name}: 99 % of normals within {most} radians");
+        // The normals given turn by nine radians over the model, and jump a little from face to face; where charts meet the two
+        // sides are made one.
+        assert!(most < 0.2, "{name}: 99 % of normals within {most} radians");
     }
 }
 

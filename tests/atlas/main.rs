@@ -4,4 +4,7 @@ mod bake;
 mod charts;
 mod checker;
 mod corpus;
+mod displace;
 mod export;
+mod layers;
+mod mips;

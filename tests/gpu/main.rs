@@ -3,6 +3,7 @@
 #![cfg(feature = "gpu")]
 
 mod agree;
+mod bake;
 mod common;
 mod coverage;
 #[path = "../common/glb.rs"]

@@ -6,18 +6,18 @@
 //! patches of one exemplar share an image and a material, so that with one exemplar all pastes are one primitive, whose triangles
 //! every renderer draws in order.
 //!
-//! Lost on the way: all channels but base colour (normal maps would need a frame a paste), the soft weights of regions, and the
-//! exact mip levels of masks. With several exemplars the order of primitives is kept in the file, but renderers that sort
-//! translucent primitives by distance may draw them in another.
+//! All channels that glTF materials know travel along, each layer lit by itself before it is blended; normal maps have tangents
+//! along their own image. Lost on the way: heights and opacity (the alpha is the mask's), the soft weights of regions, and the exact
+//! mip levels of masks. With several exemplars the order of primitives is kept in the file, but renderers that sort translucent
+//! primitives by distance may draw them in another.
 
-use crate::exemplar::{Channel, Wrap, srgb};
+use crate::exemplar::{Channel, Image, Wrap};
 use crate::format::gltf::build::{Builder, INDICES, Shape, U32, VERTICES};
-use crate::format::gltf::scene_out::add_scene;
-use crate::format::look::encode;
+use crate::format::gltf::scene_out::{add_material, add_scene};
+use crate::format::look::Look;
 use crate::format::{FormatError, Record};
 use crate::paste::{LappedTexture, Paste};
-use glam::{Vec2, Vec3};
-use image::ExtendedColorType;
+use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -53,21 +53,14 @@ pub fn write_layers(path: &Path, record: &Record) -> Result<LayersReport, Format
     let mut parts = add_scene(&mut tables, &record.model, None).map_err(fail)?;
     let mut report = LayersReport::default();
     let lapped = &record.lapped;
+    let sheets: Vec<Sheet> = (0..lapped.exemplars.len()).map(|exemplar| Sheet::new(lapped, exemplar)).collect();
+    let pages = sheets.iter().enumerate().map(|(exemplar, sheet)| sheet.images(lapped, exemplar));
+    let images = Look { pages: pages.collect::<Result<_, _>>().map_err(fail)?, ..Look::default() };
     let mut materials = Vec::new();
-    let mut sheets = Vec::new();
-    for exemplar in 0..lapped.exemplars.len() {
-        let sheet = Sheet::new(lapped, exemplar);
-        let png = sheet.png(lapped, exemplar).map_err(fail)?;
-        let texture = tables.texture(format!("{} patches", lapped.exemplars[exemplar].name), png, Wrap::Clamp);
-        materials.push(json!({
-            "name": format!("{} layers", lapped.exemplars[exemplar].name),
-            "alphaMode": "BLEND",
-            "doubleSided": true,
-            "pbrMetallicRoughness": {
-                "baseColorTexture": { "index": texture }, "metallicFactor": 0.0, "roughnessFactor": 0.8,
-            },
-        }));
-        sheets.push(sheet);
+    for (page, exemplar) in lapped.exemplars.iter().enumerate() {
+        let mut material = add_material(&mut tables, &images, page).map_err(fail)?;
+        material["name"] = format!("{} layers", exemplar.name).into();
+        materials.push(material);
     }
     report.materials = materials.len();
     let exemplar_of = |paste: &Paste| lapped.patches[paste.patch as usize].exemplar;
@@ -80,7 +73,7 @@ pub fn write_layers(path: &Path, record: &Record) -> Result<LayersReport, Format
             report.primitives += 1;
             report.triangles += layer.indices.len() / 3;
             report.vertices += layer.positions.len();
-            layer.add(&mut tables, 1 + exemplar)
+            layer.add(&mut tables, 1 + exemplar, lapped.exemplars[exemplar].channel(Channel::Normal).is_some())
         })
         .collect();
     if let Some(list) = parts.get_mut("meshes").and_then(|m| m[0]["primitives"].as_array_mut()) {
@@ -104,6 +97,13 @@ fn window(paste: &Paste) -> Window {
 /// True if no part of a face can lie on the mask.
 fn beyond(uv: &[Vec2; 3]) -> bool {
     (0..2).any(|axis| uv.iter().all(|t| t[axis] <= 0.0) || uv.iter().all(|t| t[axis] >= 1.0))
+}
+
+/// What lies under a window.
+struct Under<'a> {
+    mask: &'a Image,
+    size: [i64; 2],
+    origin: Vec2,
 }
 
 /// The windows of one exemplar in one image, in rows.
@@ -148,33 +148,58 @@ impl Sheet {
         Self { size: [width, y + row], at }
     }
 
-    /// The image: the exemplar under each mask, extended a little beyond it, and the mask as alpha.
-    fn png(&self, lapped: &LappedTexture, exemplar: usize) -> Result<Vec<u8>, String> {
-        let [width, height] = self.size;
-        let mut pixels = vec![[0_u8; 4]; width as usize * height as usize];
+    /// Its images: the exemplar's channels under each mask, extended a little beyond it, and the mask as opacity.
+    fn images(&self, lapped: &LappedTexture, exemplar: usize) -> Result<Vec<(Channel, Image)>, String> {
         let source = &lapped.exemplars[exemplar];
-        let color = source.channel(Channel::BaseColor).ok_or("an exemplar has no base colour")?.finest();
-        let [w, h] = color.size().map(|s| s as f32);
+        let kept = source.channels().with(Channel::BaseColor).iter().filter(|c| !matches!(c, Channel::Height | Channel::Opacity));
+        let mut images = Vec::new();
+        for channel in kept {
+            let image = source.channel(channel).ok_or("an exemplar has no base colour")?.finest();
+            let n = image.components();
+            let size = Vec2::from(image.size().map(|s| s as f32));
+            let nothing = if channel == Channel::Normal { Vec3::Z } else { Vec3::ZERO };
+            let filled = self.filled(lapped, n, nothing, |patch, x, y, shift| {
+                let from = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift + patch.origin;
+                image.bilinear(if source.wrap == Wrap::Repeat { from.rem_euclid(size) } else { from })
+            });
+            images.push((channel, filled));
+        }
+        let mask = self.filled(lapped, 1, Vec3::ZERO, |patch, x, y, _| {
+            let inside = (0..patch.size[0]).contains(&x) && (0..patch.size[1]).contains(&y);
+            if inside { Vec3::splat(patch.mask.grey(x, y)) } else { Vec3::ZERO }
+        });
+        images.push((Channel::Opacity, mask));
+        images.into_iter().map(|(channel, image)| Ok((channel, image?))).collect()
+    }
+
+    /// An image with `pixel(patch, x, y, shift)` in each window, x and y in pixels of its mask, and `nothing` elsewhere.
+    fn filled(
+        &self,
+        lapped: &LappedTexture,
+        components: usize,
+        nothing: Vec3,
+        pixel: impl Fn(&Under<'_>, i64, i64, Vec2) -> Vec3,
+    ) -> Result<Image, String> {
+        let [width, height] = self.size;
+        let mut data = nothing.to_array()[..components].repeat(width as usize * height as usize);
+        let rim = i64::from(APART);
         for (&(patch, offset), at) in &self.at {
             let patch = &lapped.patches[patch as usize];
-            let shift = Vec2::from(offset.map(f32::from_bits)) + Vec2::new(patch.origin[0] as f32, patch.origin[1] as f32);
-            let [pw, ph] = patch.mask.size().map(i64::from);
-            let rim = i64::from(APART);
-            for y in -rim..ph + rim {
-                for x in -rim..pw + rim {
-                    let mut from = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift;
-                    if source.wrap == Wrap::Repeat {
-                        from = from.rem_euclid(Vec2::new(w, h));
-                    }
-                    let inside = (0..pw).contains(&x) && (0..ph).contains(&y);
-                    let alpha = if inside { patch.mask.finest().grey(x, y) } else { 0.0 };
-                    let [r, g, b] = color.bilinear(from).to_array().map(srgb::to_byte);
+            let under = Under {
+                mask: patch.mask.finest(),
+                size: patch.mask.size().map(i64::from),
+                origin: Vec2::new(patch.origin[0] as f32, patch.origin[1] as f32),
+            };
+            let shift = Vec2::from(offset.map(f32::from_bits));
+            for y in -rim..under.size[1] + rim {
+                for x in -rim..under.size[0] + rim {
                     let to = (i64::from(at[1]) + y) * i64::from(width) + i64::from(at[0]) + x;
-                    pixels[to as usize] = [r, g, b, (alpha * 255.0).round() as u8];
+                    let value = pixel(&under, x, y, shift).to_array();
+                    data[to as usize * components..][..components].copy_from_slice(&value[..components]);
                 }
             }
         }
-        encode([width, height], ExtendedColorType::Rgba8, |i| pixels[i])
+        Image::new(width, height, components, data).ok_or_else(|| "the texture patches make an image too large".to_owned())
     }
 
     /// Where a place on a paste's mask, 0 to 1, lies on the image.
@@ -191,6 +216,8 @@ struct Layer {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
     uv: Vec<Vec2>,
+    /// Direction in which the image goes right, and the sign of the one in which it goes up.
+    tangents: Vec<Vec4>,
     indices: Vec<u32>,
 }
 
@@ -205,24 +232,32 @@ impl Layer {
                 if beyond(uv) {
                     continue;
                 }
-                for (k, &vertex) in model.faces[face as usize].iter().enumerate() {
+                let corners = model.faces[face as usize];
+                let right = right(corners.map(|v| model.positions[v as usize]), uv);
+                for (k, &vertex) in corners.iter().enumerate() {
                     let key = (vertex, uv[k].to_array().map(f32::to_bits));
                     let index = *made.entry(key).or_insert_with(|| {
                         out.positions.push(model.positions[vertex as usize]);
                         out.normals.extend(model.normals.as_ref().map(|n| n[vertex as usize]));
                         out.uv.push(sheet.place(&record.lapped, paste, uv[k]));
+                        out.tangents.push(Vec4::ZERO);
                         out.positions.len() as u32 - 1
                     });
+                    out.tangents[index as usize] += right;
                     out.indices.push(index);
                 }
             }
         }
+        for (tangent, normal) in out.tangents.iter_mut().zip(&out.normals) {
+            let along = tangent.truncate().reject_from_normalized(*normal).normalize_or(normal.any_orthonormal_vector());
+            *tangent = along.extend(if tangent.w < 0.0 { -1.0 } else { 1.0 });
+        }
         out
     }
 
-    /// Adds the primitive to the tables.
-    fn add(self, tables: &mut Builder<'_>, material: usize) -> Option<Value> {
-        let Self { positions, normals, uv, indices } = self;
+    /// Adds the primitive to the tables; tangents only where there is a normal map.
+    fn add(self, tables: &mut Builder<'_>, material: usize, normal_map: bool) -> Option<Value> {
+        let Self { positions, normals, uv, tangents, indices } = self;
         if indices.is_empty() {
             return None;
         }
@@ -235,6 +270,9 @@ impl Layer {
         let mut attributes = json!({ "POSITION": position });
         if with_normals {
             attributes["NORMAL"] = tables.vectors(Some(VERTICES), count, move |k| normals[k].to_array())?.into();
+            if normal_map {
+                attributes["TANGENT"] = tables.vectors(Some(VERTICES), count, move |k| tangents[k].to_array())?.into();
+            }
         }
         attributes["TEXCOORD_0"] = tables.vectors(Some(VERTICES), count, move |k| uv[k].to_array())?.into();
         let shape = Shape { name: "SCALAR", component: U32, target: Some(INDICES) };
@@ -242,4 +280,15 @@ impl Layer {
             tables.accessor(shape, indices.len(), move |out| indices.iter().try_for_each(|i| out.write_all(&i.to_le_bytes())))?;
         Some(json!({ "attributes": attributes, "indices": indices, "material": material }))
     }
+}
+
+/// The direction on a face in which its image goes right, as long as the face is large; w is positive if the image is not
+/// mirrored.
+fn right([a, b, c]: [Vec3; 3], uv: &[Vec2; 3]) -> Vec4 {
+    let (d, e) = (uv[1] - uv[0], uv[2] - uv[0]);
+    // The image counts downward, so that an unmirrored face runs against it.
+    let turn = -d.perp_dot(e);
+    let along = ((c - a) * d.y - (b - a) * e.y) * turn.signum();
+    let size = (b - a).cross(c - a).length();
+    (along.normalize_or_zero() * size).extend(size * turn.signum())
 }

@@ -10,9 +10,11 @@ mod ply;
 
 pub use layers::{LayersReport, write_layers};
 
-use super::look::{Look, Slot};
+use super::ktx2;
+use super::look::Look;
 use super::model::Model;
 use super::output::write_file;
+use super::pixels::{Pixels, Slot, slots};
 use super::{FormatError, Record, write_record};
 use crate::mesh::Mesh;
 use glam::Vec3;
@@ -97,6 +99,30 @@ pub fn write_mesh(path: &Path, kind: Kind, name: &str, mesh: &Mesh, field: Optio
             write_record(path, &Record { model, field, generator, ..Record::default() })
         }
     }
+}
+
+/// Writes the mip levels of a look beside a file, for each page and map a KTX 2.0 file of all its levels; returns their paths.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write_mips(path: &Path, look: &Look) -> Result<Vec<PathBuf>, FormatError> {
+    let mut written = Vec::new();
+    for (page, (finest, coarser)) in look.pages.iter().zip(&look.mips).enumerate() {
+        for slot in slots(finest) {
+            let file = path.with_file_name(image_name(path, look, page, slot)).with_extension("ktx2");
+            let levels: Result<Vec<Pixels>, String> =
+                std::iter::once(finest).chain(coarser).map(|images| Pixels::new(images, slot)).collect();
+            let levels = levels.map_err(|what| FormatError::Write {
+                path: file.clone(),
+                what,
+                remedy: "this is a fault of the program that made the bake".into(),
+            })?;
+            let bytes = ktx2::encode(slot, &levels);
+            write_file(&file, |out| out.write_all(&bytes))?;
+            written.push(file);
+        }
+    }
+    Ok(written)
 }
 
 /// The name of an image beside a file: its stem, the page if there are several, and what the image holds.

@@ -3,8 +3,8 @@
 use super::{Export, image_name, write_images};
 use crate::exemplar::Channel;
 use crate::format::FormatError;
-use crate::format::look::Slot;
 use crate::format::output::write_file;
+use crate::format::pixels::Slot;
 use crate::mesh::Mesh;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

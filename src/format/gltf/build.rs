@@ -4,8 +4,8 @@
 use super::glb;
 use crate::exemplar::Wrap;
 use crate::format::FormatError;
-use crate::format::look::Slot;
 use crate::format::output::write_file;
+use crate::format::pixels::Slot;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 use std::path::Path;

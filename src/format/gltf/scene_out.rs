@@ -3,8 +3,9 @@
 use super::build::{Builder, INDICES, Shape, U32, VERTICES};
 use super::motion_out;
 use crate::exemplar::{Channel, Wrap};
-use crate::format::look::{Look, Slot};
+use crate::format::look::Look;
 use crate::format::model::Model;
+use crate::format::pixels::Slot;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -104,7 +105,7 @@ fn add_attributes<'a>(tables: &mut Builder<'a>, model: &'a Model, look: Option<&
 pub(crate) const OWN_COLOR: &str = "_COLOR";
 
 /// Adds the images of a page; returns the material that shows them.
-fn add_material(tables: &mut Builder<'_>, look: &Look, page: usize) -> Result<Value, String> {
+pub(crate) fn add_material(tables: &mut Builder<'_>, look: &Look, page: usize) -> Result<Value, String> {
     let number = if look.pages.len() > 1 { format!(" {page}") } else { String::new() };
     let mut texture = Map::new();
     let mut put = |slot: Slot, index: usize| texture.insert(slot.name().into(), json!({ "index": index }));

@@ -9,6 +9,7 @@
 //! All that touches wgpu is in this folder; the shaders are in `shaders/`.
 
 mod canvas;
+mod composite;
 mod context;
 mod coverage;
 mod error;
@@ -28,6 +29,7 @@ mod texture;
 mod window;
 
 pub use canvas::Canvas;
+pub use composite::GpuComposite;
 pub use context::{AdapterSummary, Gpu, GpuOptions, adapters, has_hardware};
 pub use coverage::GpuCoverage;
 pub use error::GpuError;

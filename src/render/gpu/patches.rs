@@ -129,8 +129,9 @@ fn upload_exemplars<'g>(
     let mut table: Table = Vec::new();
     for (exemplar, &drop) in exemplars.iter().zip(&drops) {
         let [w, h] = exemplar.size().map(|s| (s as f32).to_bits());
-        let repeats = u32::from(exemplar.wrap == Wrap::Repeat);
-        table.extend([w, h, 0.5_f32.powi(drop as i32).to_bits(), repeats, u32::MAX, u32::MAX, u32::MAX, u32::MAX]);
+        let heights = u32::from(exemplar.channel(Channel::Height).is_some());
+        let flags = u32::from(exemplar.wrap == Wrap::Repeat) | heights << 1;
+        table.extend([w, h, 0.5_f32.powi(drop as i32).to_bits(), flags, u32::MAX, u32::MAX, u32::MAX, u32::MAX]);
     }
     let mut arrays = Vec::new();
     for (group, (name, channels)) in GROUPS.iter().enumerate() {

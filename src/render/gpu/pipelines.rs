@@ -11,13 +11,15 @@ pub mod shaders {
     pub const FRAME: &str = include_str!("../../../shaders/frame.wgsl");
     /// What one paste shows.
     pub const PASTE: &str = include_str!("../../../shaders/paste.wgsl");
+    /// All pastes at a sample.
+    pub const COMPOSITE: &str = include_str!("../../../shaders/composite.wgsl");
     /// How light meets the surface.
     pub const SHADE: &str = include_str!("../../../shaders/shade.wgsl");
     /// One triangle over everything.
     pub const FULL: &str = include_str!("../../../shaders/full.wgsl");
     /// Every pass: its name and the texts it is made of.
-    pub const PASSES: [(&str, &[&str]); 9] = [
-        ("single", &[FRAME, PASTE, SHADE, include_str!("../../../shaders/single.wgsl")]),
+    pub const PASSES: [(&str, &[&str]); 10] = [
+        ("single", &[FRAME, PASTE, SHADE, COMPOSITE, include_str!("../../../shaders/single.wgsl")]),
         ("depth", &[FRAME, include_str!("../../../shaders/depth.wgsl")]),
         ("layered", &[FRAME, PASTE, include_str!("../../../shaders/layered.wgsl")]),
         ("light", &[FRAME, SHADE, include_str!("../../../shaders/light.wgsl")]),
@@ -25,6 +27,7 @@ pub mod shaders {
         ("obscure", &[FRAME, FULL, include_str!("../../../shaders/obscure.wgsl")]),
         ("smooth", &[FRAME, FULL, include_str!("../../../shaders/smooth.wgsl")]),
         ("finish", &[FRAME, FULL, include_str!("../../../shaders/finish.wgsl")]),
+        ("texels", &[FRAME, PASTE, SHADE, COMPOSITE, include_str!("../../../shaders/texels.wgsl")]),
         ("coverage", &[include_str!("../../../shaders/coverage.wgsl")]),
     ];
 }
@@ -56,6 +59,7 @@ pub(super) struct Layouts {
     pub(super) obscure: wgpu::BindGroupLayout,
     pub(super) smooth: wgpu::BindGroupLayout,
     pub(super) finish: wgpu::BindGroupLayout,
+    pub(super) points: wgpu::BindGroupLayout,
 }
 
 const fn storage() -> BindingType {
@@ -90,18 +94,24 @@ impl Layouts {
             gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
         };
         let (vertex, fragment) = (ShaderStages::VERTEX, ShaderStages::FRAGMENT);
-        let both = ShaderStages::VERTEX_FRAGMENT;
-        let sampled = (texture(wgpu::TextureSampleType::Float { filterable: true }, D2Array), fragment);
-        let filter = (BindingType::Sampler(wgpu::SamplerBindingType::Filtering), fragment);
+        // What pastes show is asked in fragments and, for baking, at points of the surface.
+        let (shown, all) = (fragment | ShaderStages::COMPUTE, ShaderStages::VERTEX_FRAGMENT | ShaderStages::COMPUTE);
+        let sampled = (texture(wgpu::TextureSampleType::Float { filterable: true }, D2Array), shown);
+        let filter = (BindingType::Sampler(wgpu::SamplerBindingType::Filtering), shown);
+        let answered = BindingType::Buffer {
+            ty: BufferBindingType::Storage { read_only: false },
+            has_dynamic_offset: false,
+            min_binding_size: None,
+        };
         Self {
-            scene: layout("scene", &[(uniform(), both), (storage(), both), (storage(), fragment)]),
+            scene: layout("scene", &[(uniform(), all), (storage(), all), (storage(), shown)]),
             page: layout(
                 "page",
-                &[(storage(), both), (storage(), vertex), (storage(), fragment), (storage(), both), (storage(), vertex)],
+                &[(storage(), all), (storage(), vertex), (storage(), shown), (storage(), all), (storage(), vertex)],
             ),
             patches: layout(
                 "patches",
-                &[(storage(), fragment), (storage(), fragment), sampled, sampled, sampled, sampled, sampled, filter],
+                &[(storage(), shown), (storage(), shown), sampled, sampled, sampled, sampled, sampled, filter],
             ),
             openness: layout("openness", &[(loaded(), fragment)]),
             light: layout("light", &[(loaded(), fragment); 1 + MATERIAL]),
@@ -109,6 +119,7 @@ impl Layouts {
             obscure: layout("obscure", &[(loaded_bits(), fragment)]),
             smooth: layout("smooth", &[(loaded_bits(), fragment), (loaded(), fragment)]),
             finish: layout("finish", &[(loaded(), fragment), (loaded(), fragment)]),
+            points: layout("points", &[(answered, ShaderStages::COMPUTE)]),
         }
     }
 }
