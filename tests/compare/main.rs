@@ -1,2 +1,3 @@
 //! Judging results.
+mod baselines;
 mod measures;

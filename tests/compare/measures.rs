@@ -2,7 +2,10 @@
 
 use glam::{DVec3, Vec3};
 use lapped::compare::fidelity;
-use lapped::compare::measures::{Pieces, coherence, laplacian_energy, of_image, repetition, sliced_wasserstein};
+use lapped::compare::measures::{
+    Border, Pieces, chart_borders, coherence, histogram_distance, laplacian_energy, of_image, repetition, seam_visibility,
+    sliced_wasserstein,
+};
 use lapped::exemplar::{Channel, ChannelSet, Exemplar, Image, Wrap, srgb};
 use lapped::mesh::{Mesh, SurfacePoint};
 use lapped::random::Random;
@@ -143,4 +146,90 @@ fn an_exemplar_laid_on_a_sheet_is_as_good_as_itself() {
     // Read in another direction or at another scale it is something else.
     let larger = fidelity(&mesh, &sheet, &|_| DVec3::X, 1.6, &exemplar);
     assert!(larger.result.swd > 2.0 * r.swd, "too fine: {} from {}", larger.result.swd, r.swd);
+}
+
+#[test]
+fn colours_that_are_shifted_or_missing_are_told_wherever_they_lie() {
+    let all = pieces(&blobs(64, 1), 1);
+    assert_eq!(histogram_distance(&all, &all), 0.0, "no distance from itself");
+    let shuffled = changed(&all, |piece, i| piece[(i * 37) % piece.len()]);
+    assert!(histogram_distance(&all, &shuffled) < 1e-3, "places do not count");
+    let floor = histogram_distance(&all, &pieces(&blobs(64, 1), 2));
+    let lighter = [2, 8, 20].map(|steps| {
+        let shift = steps as f32 / 255.0;
+        histogram_distance(&changed(&all, |piece, i| piece[i].map(|x| x + shift)), &all)
+    });
+    assert!(floor < lighter[0] && lighter[0] < lighter[1] && lighter[1] < lighter[2], "{floor}, then {lighter:?}");
+    // Seven of the directions see all three components move together, some not at all.
+    assert!(lighter[1] / lighter[0] > 3.9 && lighter[1] / lighter[0] < 4.1, "four times the shift: {lighter:?}");
+    let poor = changed(&all, |piece, i| if piece[i][0] > 0.6 { [0.3; 3] } else { piece[i] });
+    assert!(histogram_distance(&poor, &all) > 3.0 * floor, "colours that are missing");
+}
+
+#[test]
+fn seams_are_seen_where_borders_are_and_nowhere_else() {
+    let exemplar = blobs(64, 1);
+    let corners = [[0.0, 0.0], [300.0, 0.0], [300.0, 300.0], [0.0, 300.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
+    let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("a square");
+    let own = pieces(&exemplar, 3);
+    // Places along the diagonal, where two faces meet.
+    let across = DVec3::new(1.0, -1.0, 0.0);
+    let borders: Vec<Border> = (1..200)
+        .map(|k| {
+            let t = k as f32 / 200.0;
+            Border { at: SurfacePoint { face: 0, bary: Vec3::new(1.0 - t, 0.0, t) }, across }
+        })
+        .collect();
+    let whole = Sheet(&exemplar, &mesh);
+    let none = seam_visibility(&mesh, &whole, &borders, 1.0, &own);
+    assert_eq!(none.places, 199, "all places are looked at");
+    assert!((none.ratio - 1.0).abs() < 0.25 && none.beyond < 0.05, "where nothing meets: {none:?}");
+    // The second face shows another place of the exemplar, the same a little lighter, or the same.
+    let mut seen = Vec::new();
+    for (shift, light) in [(23.0, 0.0), (0.0, 0.05), (0.0, 0.2)] {
+        let cut = Cut { sheet: Sheet(&exemplar, &mesh), shift, light };
+        seen.push(seam_visibility(&mesh, &cut, &borders, 1.0, &own));
+    }
+    assert!(seen.iter().all(|s| s.ratio > 1.3 * none.ratio && s.beyond > none.beyond), "{none:?}, then {seen:?}");
+    assert!(seen[2].ratio > seen[1].ratio && seen[2].beyond > 0.9, "the more the lighter: {seen:?}");
+}
+
+#[test]
+fn chart_borders_lie_on_both_sides_of_seams() {
+    let model = lapped::assets::mesh("gear").expect("a demo mesh");
+    let mesh = lapped::mesh::clean(&model.positions, &model.faces, &Default::default()).expect("it is clean").mesh;
+    let options = lapped::atlas::UnwrapOptions { size: 256, mips: 0, ..Default::default() };
+    let atlas = lapped::atlas::unwrap(&mesh, &options, &lapped::progress::Silent).expect("it unwraps");
+    let step = 1e-4 * f64::from((mesh.bounds().1 - mesh.bounds().0).max_element());
+    let borders = chart_borders(&mesh, &atlas, 50.0 * step);
+    assert!(borders.len() > 100, "{} places", borders.len());
+    let crossed = borders.iter().filter(|b| {
+        let there = lapped::mesh::walk::walk(&mesh, b.at, b.across.normalize() * 20.0 * step);
+        atlas.corners[there.face as usize] != atlas.corners[b.at.face as usize] && there.face != b.at.face
+    });
+    let share = crossed.count() as f64 / borders.len() as f64;
+    assert!(share > 0.95, "{share} of the steps lead over the border");
+}
+
+/// A sheet whose second face shows the exemplar shifted, or lighter.
+struct Cut<'a> {
+    sheet: Sheet<'a>,
+    shift: f64,
+    light: f32,
+}
+
+impl SurfaceTexture for Cut<'_> {
+    fn channels(&self) -> ChannelSet {
+        self.sheet.channels()
+    }
+
+    fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
+        if at.face == 0 {
+            return self.sheet.texel(at, footprint);
+        }
+        let there = lapped::mesh::walk::walk(self.sheet.1, at, DVec3::NEG_X * self.shift);
+        let texel = self.sheet.texel(there, footprint);
+        let lighter = texel.base_color.map(|c| srgb::decode((srgb::encode(c) + self.light).min(1.0)));
+        Texel { base_color: lighter, ..texel }
+    }
 }

@@ -9,16 +9,23 @@
 //! | `coherence` | from each result patch to the nearest patch of the exemplar, 11x11, root mean square over 32 principal components; its 99th hundredth is what an eye calls a seam (Simakov et al., "Summarizing visual data using bidirectional similarity", CVPR 2008) | a result that repeats one piece |
 //! | `completeness` | the other way round (Simakov et al. 2008) | seams |
 //! | `energy` | energy of the Laplacian over the exemplar's: 1 is right, less is blurred, more is noisy | everything else |
+//! | `histogram` | how far colours must be moved to have the exemplar's distribution, steps of eight bits | where colours lie |
 //! | `repetition` | the largest autocorrelation beyond 40 pixels | everything else |
+//!
+//! Borders have a measure of their own: [`seam_visibility`].
 //!
 //! None of them is a verdict. Each comes with its floor: the same between one half of the exemplar and the other, which a
 //! perfect result cannot be expected to beat.
 
+mod borders;
+mod histogram;
 mod patches;
 mod pieces;
 mod sliced;
 mod spectrum;
 
+pub use borders::{Border, SeamVisibility, chart_borders, seam_visibility};
+pub use histogram::histogram_distance;
 pub use patches::{Spread, coherence};
 pub use pieces::{Pieces, Placed, of_image, of_surface};
 pub use sliced::sliced_wasserstein;
@@ -52,6 +59,8 @@ pub struct Measured {
     pub energy: f64,
     /// The largest autocorrelation beyond 40 pixels; 0 if no piece is large enough.
     pub repetition: f64,
+    /// Distance of the distributions of colours, steps of eight bits.
+    pub histogram: f64,
 }
 
 /// A result against its exemplar, and the floor.
@@ -73,6 +82,7 @@ pub fn measured(result: &Pieces, large: &Pieces, exemplar: &Pieces) -> Measured 
         completeness,
         energy: laplacian_energy(result) / laplacian_energy(exemplar).max(f64::MIN_POSITIVE),
         repetition: repetition(large),
+        histogram: histogram_distance(result, exemplar),
     }
 }
 

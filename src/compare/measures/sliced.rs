@@ -54,7 +54,7 @@ fn normal(random: &mut Random) -> f64 {
 }
 
 /// The distance of two sorted samples on a line; the quantiles of the smaller are compared.
-fn apart(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn apart(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len().min(b.len());
     let at = |s: &[f64], i: usize| s[(2 * i + 1) * s.len() / (2 * count)];
     (0..count).map(|i| (at(a, i) - at(b, i)).abs()).sum::<f64>() / count as f64
