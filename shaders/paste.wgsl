@@ -197,6 +197,7 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
         layer.base_color = own.xyz;
         layer.opacity = 1.0;
         layer.normal = g.normal;
+        layer.height = 0.5;
         layer.roughness = DEFAULT_GLOSS.x;
         layer.metallic = DEFAULT_GLOSS.y;
         layer.occlusion = DEFAULT_GLOSS.z;

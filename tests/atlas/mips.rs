@@ -16,7 +16,7 @@ use lapped::random::Random;
 fn page(side: u32) -> (Vec<bool>, Vec<(Channel, Image)>) {
     let mut random = Random::new(7, 0);
     // Whole blocks without any chart, so that some coarse texels have none either.
-    let block = |x: u32, y: u32| (x / 8 + y / 8) % 3 != 0;
+    let block = |x: u32, y: u32| !(x / 8 + y / 8).is_multiple_of(3);
     let covered: Vec<bool> = (0..side * side).map(|i| block(i % side, i / side) && random.unit() < 0.7).collect();
     let mut value = |i: usize| if covered[i] { random.unit() as f32 } else { 1000.0 };
     let grey: Vec<f32> = (0..covered.len()).map(&mut value).collect();

@@ -90,7 +90,7 @@ impl GpuComposite {
         }
         let shape = Shape::new(gpu, mesh)?;
         // Points have the normals of their faces; smooth ones are not looked at.
-        let lists = Lists::new(gpu, &layouts.page, mesh, &vec![[Vec3::Z; 3]; mesh.face_count()], lapped)?;
+        let lists = Lists::new(gpu, &layouts.page, mesh, &vec![[Vec3::Z; 3]; mesh.face_count()], lapped, None)?;
         // Of the frame only the channels matter.
         let grid = Grid { width: 1, height: 1, samples: 1 };
         let frame = Frame::new(&shape, patches.channels, &View::default().frame(mesh, 1.0), grid, &DrawOptions::default());
