@@ -193,7 +193,7 @@ impl App {
         let built = self.asked == self.document.revision() && self.builds.meter().is_none();
         let files = [&self.opens, &self.saves, &self.exports].into_iter().all(|lane| lane.meter().is_none());
         let watched = self.watch.as_ref().is_none_or(WatchRoom::is_idle);
-        built && files && watched && self.side.is_idle()
+        built && files && watched && self.side.is_idle() && self.thumbnails.is_idle()
     }
 
     /// True once the window is to be closed.

@@ -35,6 +35,12 @@ impl Thumbnails {
         Self { lane: Lane::new("lapped thumbnails", wake), there: BTreeMap::new(), begun: false }
     }
 
+    /// True if none is being drawn.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        self.begun && self.lane.meter().is_none()
+    }
+
     /// Takes in what was drawn; begins with the built-in ones the first time.
     pub fn take(&mut self, context: &Context) {
         if !std::mem::replace(&mut self.begun, true) {

@@ -10,7 +10,7 @@ use crate::atlas::{AtlasError, BakeOptions, Frames, UnwrapOptions, bake, unwrap}
 use crate::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch};
 use crate::field::turning_points;
 use crate::job::bake::default_size;
-use crate::job::synth::{SynthJob, SynthJobError, synthesize_on};
+use crate::job::synth::{Density, SynthJob, SynthJobError, synthesize_on};
 use crate::mesh::{Mesh, MeshError};
 use crate::paste::{Composite, LappedTexture, Paste};
 use crate::progress::Progress;
@@ -29,6 +29,9 @@ const COLOURS: u16 = 24;
 const MOST_PATCHES: usize = 240;
 /// Longest side of the atlas that is looked at, texels.
 const LARGEST_ATLAS: u32 = 2048;
+
+/// Vertices of a synthesis that is looked at, about.
+const VERTICES: f64 = 120_000.0;
 
 /// Why a subject was not made.
 #[derive(Debug, thiserror::Error)]
@@ -338,7 +341,13 @@ fn synthesized(
     let Some(exemplar) = lapped.exemplars.first() else { return Ok(()) };
     let steer = shown.project.job(Some(exemplar)).steer;
     let direction = crate::job::Direction::Steered(steer);
-    let job = SynthJob { direction, ..SynthJob::default() };
+    let mut job = SynthJob { direction, ..SynthJob::default() };
+    if let Some(report) = shown.report() {
+        // As large as it is pasted, as finely as there are vertices for it.
+        let side = (VERTICES / report.ratio.max(f64::MIN_POSITIVE)).sqrt().clamp(16.0, 128.0) as u32;
+        job.density = Density::Scale(report.scale);
+        job.side = Some(exemplar.size()[0].max(exemplar.size()[1]).min(side));
+    }
     let show = |texture: &VertexTexture| -> Result<Subject, SideError> {
         let values = texture.channel(Channel::BaseColor).unwrap_or(&[]);
         let colour = |v: u32| match values.get(3 * v as usize..3 * v as usize + 3) {

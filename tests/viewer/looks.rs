@@ -47,7 +47,7 @@ fn lines_lie_over_the_surface_and_singularities_are_counted() {
 fn the_window_is_readable_at_every_size_and_scale() {
     for (name, size, scale) in [("narrow", [620.0, 480.0], 1.0), ("tiny", [480.0, 320.0], 1.0), ("dense", [960.0, 540.0], 2.0)] {
         let mut bench = Bench::new(size, scale);
-        bench.harness.run_steps(3);
+        bench.settle();
         bench.picture(&format!("welcome-{name}"));
         bench.begin("vase", "bricks");
         bench.picture(&format!("vase-{name}"));

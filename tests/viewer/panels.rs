@@ -14,7 +14,7 @@ const SMALL: [f32; 2] = [1280.0, 720.0];
 #[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
 fn a_demo_is_picked_pasted_turned_and_seen() {
     let mut bench = Bench::new(SMALL, 1.0);
-    bench.harness.run_steps(3);
+    bench.settle();
     bench.picture("welcome");
     bench.click("knot with weave");
     bench.settle();

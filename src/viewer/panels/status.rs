@@ -2,10 +2,12 @@
 
 use super::super::app::App;
 use super::menu::shortened;
-use egui::{Align, Align2, Area, Frame, Id, Layout, Order, ProgressBar, RichText, Ui, vec2};
+use egui::{Align, Align2, Area, Frame, Id, Label, Layout, Order, ProgressBar, RichText, Ui, vec2};
 
 /// Notices that are shown at a time.
 const NOTICES: usize = 4;
+/// Room for what closes a notice, points.
+const CLOSE: f32 = 34.0;
 
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     ui.horizontal(|ui| {
@@ -58,17 +60,18 @@ pub(super) fn notices(app: &mut App, ui: &Ui) {
         for (i, notice) in app.notices.iter().enumerate().skip(hidden) {
             Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(width - 16.0);
-                ui.with_layout(Layout::right_to_left(Align::TOP), |ui| {
+                ui.horizontal_top(|ui| {
+                    let visuals = ui.visuals();
+                    let (word, colour) =
+                        if notice.error { ("Error", visuals.error_fg_color) } else { ("Note", visuals.warn_fg_color) };
+                    ui.label(RichText::new(word).strong().color(colour));
+                    ui.vertical(|ui| {
+                        ui.set_width((ui.available_width() - CLOSE).max(60.0));
+                        ui.add(Label::new(&notice.text).wrap());
+                    });
                     if ui.small_button("x").on_hover_text("Close").clicked() {
                         gone = Some(i);
                     }
-                    ui.with_layout(Layout::left_to_right(Align::TOP).with_main_wrap(true), |ui| {
-                        let visuals = ui.visuals();
-                        let (word, colour) =
-                            if notice.error { ("Error", visuals.error_fg_color) } else { ("Note", visuals.warn_fg_color) };
-                        ui.label(RichText::new(word).strong().color(colour));
-                        ui.label(&notice.text);
-                    });
                 });
             });
         }
