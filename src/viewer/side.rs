@@ -157,7 +157,8 @@ impl Side {
     /// The lines on the surface of a revision, and a number that is another with every other.
     #[must_use]
     pub fn lines(&self, revision: u64, which: Lines) -> Option<(&Subject, u64)> {
-        let (drawn, subject) = self.ruled.as_ref().filter(|(d, _)| d.revision == revision && d.which == which)?;
+        // Others than those asked for last stay until these are there.
+        let (drawn, subject) = self.ruled.as_ref().filter(|(d, _)| d.revision == revision && which.any())?;
         let number = drawn.near.to_array().iter().fold(self.count, |n, c| n.rotate_left(7) ^ c.to_bits());
         Some((subject.as_ref()?, number))
     }
