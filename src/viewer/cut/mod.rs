@@ -345,8 +345,12 @@ impl Cutter {
                 let drawn = Drawn { anchors: vec![at], pieces: Vec::new() };
                 self.drawing = Some(Drawing { drawn, wire: None, live: Vec::new(), pressed, free: false });
             }
-            Some(Drawing { drawn, live, .. }) => {
-                // What was shown is what is kept.
+            Some(Drawing { drawn, wire, live, free, .. }) => {
+                // A click that comes before the wire is found waits for it, but not for long; else what was shown is what is kept.
+                let found = edges.zip(wire.as_mut()).filter(|_| !*free);
+                if let Some(way) = found.and_then(|(edges, wire)| wire.to(edges, edges.snap(at, SNAP), 4 * WORK)) {
+                    *live = way;
+                }
                 let last = drawn.anchors[drawn.anchors.len() - 1];
                 let piece = if live.len() > 1 { std::mem::take(live) } else { vec![last, at] };
                 let end = piece[piece.len() - 1];

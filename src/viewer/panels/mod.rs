@@ -45,7 +45,9 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             gallery::welcome(app, ui);
         } else {
             app.view(ui);
-            gallery::over_view(app, ui);
+            if app.cut.is_none() {
+                gallery::over_view(app, ui);
+            }
         }
         status::notices(app, ui);
     });

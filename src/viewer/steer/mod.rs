@@ -98,7 +98,7 @@ pub struct Edit {
 #[derive(Debug, Clone)]
 enum Doing {
     Stroke { tool: Tool, way: Vec<SurfacePoint> },
-    Handle { index: usize, twin: Option<usize>, grip: Grip },
+    Handle { index: usize, twin: Option<usize>, grip: Grip, pulled: bool },
 }
 
 #[derive(Debug, Clone)]
@@ -193,7 +193,7 @@ impl Combing {
         if let Some(twin) = twin {
             self.constraints.constraints[twin] = Constraint::explicit(ground.mesh, &self.anchors[twin]);
         }
-        self.gesture = Some(Gesture { before, doing: Doing::Handle { index, twin, grip } });
+        self.gesture = Some(Gesture { before, doing: Doing::Handle { index, twin, grip, pulled: false } });
     }
 
     /// The pointer has moved to another place of the surface. True if constraints have changed already.
@@ -204,7 +204,8 @@ impl Combing {
                 way.push(to);
                 false
             }
-            Some(Gesture { doing: Doing::Handle { index, twin, grip }, .. }) => {
+            Some(Gesture { doing: Doing::Handle { index, twin, grip, pulled }, .. }) => {
+                *pulled = true;
                 let (index, twin, grip) = (*index, *twin, *grip);
                 self.pull(ground, index, twin, grip, to)
             }
@@ -216,6 +217,11 @@ impl Combing {
         let Gesture { before, doing } = self.gesture.take()?;
         let what = match doing {
             Doing::Stroke { tool, way } => self.finish_stroke(ground, tool, &way),
+            Doing::Handle { pulled: false, .. } => {
+                // A click selects and changes nothing, not even how the constraint is written.
+                self.restore(ground, before);
+                return None;
+            }
             Doing::Handle { grip, .. } => grip.what(),
         };
         self.edited(what, before)
@@ -485,6 +491,18 @@ mod tests {
             assert_eq!(weights, [Some(5.0); 2], "both weigh as much");
             combing.delete(ground).expect("an edit");
             assert_eq!(combing.constraints().constraints.len(), count - 2, "both are gone");
+        });
+    }
+
+    #[test]
+    fn a_click_on_a_handle_selects_it_and_changes_nothing() {
+        on_sphere(|ground| {
+            let mut combing = Combing::default();
+            stroke_at(&mut combing, ground, 0.0, [0.0, 1.2], Tool::Direction).expect("an edit");
+            let before = combing.constraints().clone();
+            combing.begin_handle(ground, 1, Grip::Move);
+            assert_eq!((combing.end(ground), combing.selected()), (None, Some(1)), "no edit");
+            assert_eq!(combing.constraints(), &before, "to the last bit");
         });
     }
 

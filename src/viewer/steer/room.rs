@@ -27,6 +27,9 @@ const RADIUS_STEP: f64 = 1.25;
 /// Places nearer to the eye than this share of the distance to a handle hide it.
 const HIDDEN: f64 = 0.995;
 
+/// A button that goes up within so many points of where it went down was a click.
+const CLICK: f32 = 3.0;
+
 const BRUSH: Color32 = Color32::from_rgb(255, 214, 84);
 const TWIN: Color32 = Color32::from_rgb(150, 200, 230);
 const SIDES: u32 = 40;
@@ -51,6 +54,8 @@ pub struct SteerRoom {
     trees: Lane<(Arc<OpenModel>, Tree)>,
     asked: Option<Arc<OpenModel>>,
     hovered: Option<(usize, Grip)>,
+    /// Where the button went down, until the pointer has left that place.
+    pressed: Option<Pos2>,
     /// Where the pointer is on the surface.
     at: Option<SurfacePoint>,
 }
@@ -65,6 +70,7 @@ impl SteerRoom {
             trees: Lane::new("lapped combing", wake),
             asked: None,
             hovered: None,
+            pressed: None,
             at: None,
         }
     }
@@ -146,6 +152,7 @@ impl SteerRoom {
         let (at, hovered) = (self.at, self.hovered);
         let mut edit = None;
         if pressed && !busy && over.is_some() {
+            self.pressed = pointer;
             let tool = match modifiers {
                 m if m.shift => Tool::Scale,
                 m if m.alt => Tool::Erase,
@@ -157,7 +164,11 @@ impl SteerRoom {
                 (None, None) => combing.select(None),
             });
         } else if busy && down {
-            let moved = at.is_some_and(|at| self.with(shown, |combing, ground| combing.drag(ground, at)) == Some(true));
+            let resting = self.pressed.zip(pointer).is_some_and(|(from, to)| from.distance(to) < CLICK);
+            self.pressed = self.pressed.filter(|_| resting);
+            let moved = at
+                .filter(|_| !resting)
+                .is_some_and(|at| self.with(shown, |combing, ground| combing.drag(ground, at)) == Some(true));
             if moved {
                 edit = Some(self.live(&shown.project));
             }
