@@ -96,8 +96,13 @@ impl Level {
         [(p.x as i64).rem_euclid(self.size[0] as i64) as usize, (p.y as i64).rem_euclid(self.size[1] as i64) as usize]
     }
 
-    fn at(&self, [x, y]: [usize; 2]) -> &[f32] {
-        &self.data[(y * 2 * self.size[0] + x) * self.components..][..self.components]
+    /// Where a pixel's numbers begin. Those of a pixel shifted by another begin at the sum.
+    fn first(&self, [x, y]: [usize; 2]) -> usize {
+        (y * 2 * self.size[0] + x) * self.components
+    }
+
+    fn at(&self, pixel: [usize; 2]) -> &[f32] {
+        &self.data[self.first(pixel)..][..self.components]
     }
 }
 
@@ -391,12 +396,13 @@ impl Matcher<'_> {
         let patch = &self.lapped.patches[pastes[k as usize].patch as usize];
         let levels = &self.levels[patch.exemplar as usize].0;
         let coarsest = levels.len() - 1;
-        let fine: Vec<&Sample> = spread(samples, FINE_SAMPLES);
-        let coarse: Vec<&Sample> = spread(samples, COARSE_SAMPLES);
-        let at_rest = self.error(&levels[0], 0, &fine, Vec2::ZERO);
         if samples.len() < LEAST_SAMPLES {
             return (draw(&mut random), false, [0.0; 3]);
         }
+        let fine = spread(samples, FINE_SAMPLES);
+        let coarse = Points::new(&levels[coarsest], coarsest, &spread(samples, COARSE_SAMPLES));
+        let finest = Points::new(&levels[0], 0, &fine);
+        let at_rest = finest.error(Vec2::ZERO);
         let weight: f64 = fine.iter().map(|s| f64::from(s.weight)).sum();
         let level = &levels[coarsest];
         let step = Vec2::ONE / level.scale;
@@ -405,11 +411,12 @@ impl Matcher<'_> {
         for y in 0..count.y as u32 {
             for x in 0..count.x as u32 {
                 let offset = (room[0] + Vec2::new(x as f32, y as f32) * step).min(room[1]);
-                keep(&mut best, self.error(level, coarsest, &coarse, offset), offset);
+                keep(&mut best, coarse.error(offset), offset);
             }
         }
         for l in (0..coarsest).rev() {
             let level = &levels[l];
+            let points = Points::new(level, l, &fine);
             let step = Vec2::ONE / level.scale;
             let mut next = Vec::new();
             for &(_, around) in &best {
@@ -420,7 +427,7 @@ impl Matcher<'_> {
                         Wrap::Clamp => offset.clamp(room[0], room[1]),
                     };
                     if next.iter().all(|&(_, o)| o != offset) {
-                        keep(&mut next, self.error(level, l, &fine, offset), offset);
+                        keep(&mut next, points.error(offset), offset);
                     }
                 }
             }
@@ -431,17 +438,37 @@ impl Matcher<'_> {
         let offset = if room[0] == Vec2::ZERO && room[1] == size { offset.rem_euclid(size) } else { offset };
         (offset.round(), true, [weight, at_rest, error])
     }
+}
 
-    /// Weighted squared difference of a window on one level.
-    fn error(&self, level: &Level, number: usize, samples: &[&Sample], offset: Vec2) -> f64 {
-        let shift = level.cell(offset);
+/// Samples on one level, side by side.
+struct Points<'a> {
+    level: &'a Level,
+    /// Where each begins in the level's numbers while nothing is shifted.
+    first: Vec<usize>,
+    weight: Vec<f32>,
+    /// Numbers of the other side.
+    other: Vec<f32>,
+}
+
+impl<'a> Points<'a> {
+    fn new(level: &'a Level, number: usize, samples: &[&Sample]) -> Self {
         let from = number * level.components;
+        Self {
+            level,
+            first: samples.iter().map(|s| level.first(level.cell(s.pixel))).collect(),
+            weight: samples.iter().map(|s| s.weight).collect(),
+            other: samples.iter().flat_map(|s| &s.other[from..from + level.components]).copied().collect(),
+        }
+    }
+
+    /// Weighted squared difference of a window.
+    fn error(&self, offset: Vec2) -> f64 {
+        let shift = self.level.first(self.level.cell(offset));
+        let count = self.level.components.max(1);
         let mut sum = 0.0_f32;
-        for s in samples {
-            let [x, y] = level.cell(s.pixel);
-            let own = level.at([x + shift[0], y + shift[1]]);
-            let apart: f32 = own.iter().zip(&s.other[from..]).map(|(a, b)| (a - b) * (a - b)).sum();
-            sum += s.weight * apart;
+        for ((&first, &weight), other) in self.first.iter().zip(&self.weight).zip(self.other.chunks_exact(count)) {
+            let own = &self.level.data[first + shift..][..count];
+            sum += weight * own.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
         }
         f64::from(sum)
     }

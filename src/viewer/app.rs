@@ -405,14 +405,14 @@ impl App {
         let (side, still, which) = (&self.side, &self.still, self.lines);
         let wanted = Still::wanted(&self.viewport, ui.visuals().dark_mode, shown.as_deref());
         let given = |mode: Mode| {
-            let (own, number) = shown.as_ref().map_or((None, 0), |s| (Some(&s.subject), s.revision));
+            let (own, number) = shown.as_ref().map_or((None, 0), |s| (Some(&s.subject), s.number()));
             let still = (mode == Mode::Reference).then(|| still.picture(wanted.as_ref())).flatten();
             // Numbers of partial subjects must not be those of revisions.
             if let Some((subject, number)) = watched.filter(|_| matches!(mode, Mode::Single | Mode::Layered)) {
                 return Given { subject: Some(subject), lines: None, still: None, number: u64::MAX - number };
             }
             let (subject, number) = if mode.is_made() { side.subject(mode) } else { (own, number) };
-            let lines = shown.as_ref().and_then(|s| side.lines(s.revision, which));
+            let lines = shown.as_ref().and_then(|s| side.lines(s.number(), which));
             Given { subject, lines, still, number }
         };
         let seen = self.viewport.show(ui, &self.graphics, bounds, pointed.held, given);
@@ -552,8 +552,17 @@ impl App {
             let (kitchen, library) = (Arc::clone(&self.kitchen), Arc::clone(&self.library));
             let renderer = Arc::clone(&self.graphics.renderer);
             self.builds.submit(move |meter, deliver| {
-                let built = build(&project, revision, &kitchen, &library, &renderer, &**meter);
-                deliver(built.map(|shown| shown.map(Box::new)));
+                let make =
+                    |draft| build(&project, revision, draft, &kitchen, &library, &renderer, &**meter).map(|s| s.map(Box::new));
+                if project.windows && !project.exemplars.is_empty() {
+                    let draft = make(true);
+                    let failed = draft.is_err();
+                    deliver(draft);
+                    if failed {
+                        return;
+                    }
+                }
+                deliver(make(false));
             });
         }
         let now = ui.input(|i| i.time);

@@ -49,6 +49,8 @@ impl BuildError {
 pub struct Shown {
     /// The document's revision that it was made for.
     pub revision: u64,
+    /// True of a first answer, whose windows are not chosen yet.
+    pub draft: bool,
     /// The project as it was then.
     pub project: Project,
     /// The model.
@@ -66,6 +68,12 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// A number of its own for each answer: what was made of a draft is out of date once the whole is there.
+    #[must_use]
+    pub const fn number(&self) -> u64 {
+        2 * self.revision + if self.draft { 0 } else { 1 }
+    }
+
     /// The mesh that is drawn.
     #[must_use]
     pub fn mesh(&self) -> &Mesh {
@@ -170,13 +178,15 @@ impl Kitchen {
     }
 }
 
-/// Builds what is to be shown of a project that has a model.
+/// Builds what is to be shown of a project that has a model. A draft leaves out what takes long and changes little: it is there
+/// soon after a change.
 ///
 /// # Errors
 /// If anything it names cannot be read, it cannot be pasted, or does not fit the device.
 pub fn build(
     project: &Project,
     revision: u64,
+    draft: bool,
     kitchen: &Kitchen,
     library: &Library,
     renderer: &Renderer,
@@ -198,6 +208,7 @@ pub fn build(
             job.steer = cut.own_steer.get_or_init(|| project.job(cut.exemplars.first()).steer).clone();
         }
         job.memory = crate::job::available_memory();
+        job.paste.windows &= !draft;
         job.paste.masks = Some(Arc::clone(&cut.masks));
         let laid = lay(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress)?;
         told.extend(cut.warnings.iter().chain(&laid.report.warnings).cloned());
@@ -214,7 +225,7 @@ pub fn build(
     };
     let normals = stage.normals().to_vec();
     let seconds = begin.elapsed().as_secs_f64();
-    Ok(Some(Shown { revision, project: project.clone(), open, laid, subject, normals, told, seconds }))
+    Ok(Some(Shown { revision, draft, project: project.clone(), open, laid, subject, normals, told, seconds }))
 }
 
 /// Smooth normals at the corners of a mesh, as pictures of it have them.

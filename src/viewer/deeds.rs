@@ -181,6 +181,9 @@ impl App {
         let Some(shown) = self.shown.clone() else {
             return self.tell(DeedError::Nothing("model").to_string(), true);
         };
+        if shown.draft {
+            return self.tell("what is shown is a draft, its borders are being matched: export once that is done".to_owned(), true);
+        }
         let camera = self.viewport.orbit.camera();
         let options = DrawOptions { occlusion: true, ..self.viewport.options(dark) };
         let pixels = self.viewport.pixels();
@@ -377,7 +380,7 @@ impl Still {
         };
         let options = DrawOptions { occlusion: true, background, ..viewport.options(dark) };
         let camera = viewport.orbit.camera();
-        shown.filter(|_| width.min(height) > 0).map(|shown| Wanted { revision: shown.revision, camera, grid, options })
+        shown.filter(|_| width.min(height) > 0).map(|shown| Wanted { revision: shown.number(), camera, grid, options })
     }
 
     /// The picture, if it is of what is wanted.

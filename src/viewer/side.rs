@@ -193,12 +193,12 @@ impl Side {
 
     /// Asks for one of the modes' subjects that is out of date.
     pub fn ask(&mut self, modes: &[Mode], shown: &Arc<Shown>, graphics: &Graphics) {
-        let old = |mode: &&Mode| self.made.get(mode).is_none_or(|(_, made)| made.revision != shown.revision);
+        let old = |mode: &&Mode| self.made.get(mode).is_none_or(|(_, made)| made.revision != shown.number());
         let Some(&mode) = modes.iter().filter(|m| m.is_made()).find(old) else { return };
-        if self.asked == Some((mode, shown.revision)) {
+        if self.asked == Some((mode, shown.number())) {
             return;
         }
-        self.asked = Some((mode, shown.revision));
+        self.asked = Some((mode, shown.number()));
         let (shown, renderer) = (Arc::clone(shown), Arc::clone(&graphics.renderer));
         self.lane.submit(move |meter, deliver| {
             if let Err(error) = make(mode, &shown, &renderer, &**meter, deliver) {
@@ -215,7 +215,7 @@ impl Side {
         let detail = Detail::of(height);
         // A new place only when the old one is left.
         let near = self.ruling.map(|d| d.near).filter(|near| near.distance(at) < 0.5 * height).unwrap_or(at);
-        let wanted = Drawn { revision: shown.revision, which, detail, near };
+        let wanted = Drawn { revision: shown.number(), which, detail, near };
         if self.ruling == Some(wanted) {
             return;
         }
@@ -250,7 +250,7 @@ fn make(
     let nothing = LappedTexture::default();
     let mesh = shown.mesh();
     let stage = Stage::new(mesh, &DrawOptions::default());
-    let done = |subject, legend| deliver((mode, Ok(Made { revision: shown.revision, subject: Some(subject), legend })));
+    let done = |subject, legend| deliver((mode, Ok(Made { revision: shown.number(), subject: Some(subject), legend })));
     let lapped = shown.lapped();
     match (mode, lapped) {
         (Mode::Pastes, Some(lapped)) => done(renderer.load(&stage, &in_colours(lapped))?, None),

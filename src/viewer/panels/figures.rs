@@ -53,7 +53,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             let ways = if field.ways > 1 { format!("{}-way", field.ways) } else { "one direction".to_owned() };
             rows.push(("field", ways, "Directions that look alike at each place"));
         }
-        if let Some(turning) = app.side.turning(shown.revision) {
+        if let Some(turning) = app.side.turning(shown.number()) {
             let ways = shown.field().map_or(1, |f| f.ways);
             let sum = if ways > 1 {
                 format!("{} (sum {}/{ways})", turning.count, turning.sum)
