@@ -341,13 +341,14 @@ impl Matcher<'_> {
             return None;
         }
         let mut other = Vec::new();
+        let count = self.levels(&pastes[marks[own].paste as usize]).len();
         let (mut left, mut covered) = (1.0_f32, 0.0);
         for mark in &marks[own + 1..] {
             let share = left * mark.alpha;
             left -= share;
             if known[mark.paste as usize] {
                 covered += share;
-                self.add(&pastes[mark.paste as usize], mark, share, &mut other);
+                self.add(&pastes[mark.paste as usize], mark, share, count, &mut other);
             }
         }
         if covered < KNOWN {
@@ -365,7 +366,13 @@ impl Matcher<'_> {
             let weight = seen * mark.border * between * marks[own].alpha;
             if known[mark.paste as usize] && weight >= LEAST_WEIGHT {
                 let mut other = Vec::new();
-                self.add(&pastes[mark.paste as usize], mark, 1.0, &mut other);
+                self.add(
+                    &pastes[mark.paste as usize],
+                    mark,
+                    1.0,
+                    self.levels(&pastes[marks[own].paste as usize]).len(),
+                    &mut other,
+                );
                 return Some(Sample { pixel: marks[own].pixel, weight, other });
             }
             seen *= 1.0 - mark.alpha;
@@ -373,11 +380,18 @@ impl Matcher<'_> {
         None
     }
 
-    /// Adds a share of what a paste shows, level by level.
-    fn add(&self, paste: &Paste, mark: &Mark, share: f32, to: &mut Vec<f32>) {
-        let patch = &self.lapped.patches[paste.patch as usize];
+    /// The levels of a paste's exemplar, finest first.
+    fn levels(&self, paste: &Paste) -> &[Level] {
+        &self.levels[self.lapped.patches[paste.patch as usize].exemplar as usize].0
+    }
+
+    /// Adds a share of what a paste shows, on as many levels as another has: they are counted from the coarsest, and a smaller exemplar
+    /// gives its finest for those it lacks.
+    fn add(&self, paste: &Paste, mark: &Mark, share: f32, count: usize, to: &mut Vec<f32>) {
+        let levels = self.levels(paste);
         let mut next = 0;
-        for level in &self.levels[patch.exemplar as usize].0 {
+        for number in 0..count {
+            let level = &levels[(levels.len() + number).saturating_sub(count).min(levels.len() - 1)];
             let values = level.at(level.cell(mark.pixel + paste.offset));
             to.resize(to.len().max(next + values.len()), 0.0);
             to[next..].iter_mut().zip(values).for_each(|(n, v)| *n += share * v);
@@ -394,7 +408,7 @@ impl Matcher<'_> {
             room[0] + Vec2::new(part(span.x, random), part(span.y, random))
         };
         let patch = &self.lapped.patches[pastes[k as usize].patch as usize];
-        let levels = &self.levels[patch.exemplar as usize].0;
+        let levels = self.levels(&pastes[k as usize]);
         let coarsest = levels.len() - 1;
         if samples.len() < LEAST_SAMPLES {
             return (draw(&mut random), false, [0.0; 3]);

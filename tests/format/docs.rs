@@ -10,8 +10,9 @@ fn every_cell_of_the_formats_table_is_backed_by_a_test_that_exists() {
     let page = std::fs::read_to_string(root.join("docs/formats.md")).unwrap();
     let mut found = 0;
     for (file, name) in page.split('`').skip(1).step_by(2).filter_map(|code| code.split_once("::")) {
-        let source =
-            ["format", "cli"].iter().find_map(|kind| std::fs::read_to_string(root.join(format!("tests/{kind}/{file}.rs"))).ok());
+        let source = ["format", "cli", "synth"]
+            .iter()
+            .find_map(|kind| std::fs::read_to_string(root.join(format!("tests/{kind}/{file}.rs"))).ok());
         let source = source.unwrap_or_default();
         assert!(source.contains(&format!("#[test]\nfn {name}()")), "{file}::{name} is a test");
         found += 1;
