@@ -9,12 +9,16 @@ fn every_cell_of_the_formats_table_is_backed_by_a_test_that_exists() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let page = std::fs::read_to_string(root.join("docs/formats.md")).unwrap();
     let mut found = 0;
-    for (file, name) in page.split('`').skip(1).step_by(2).filter_map(|code| code.split_once("::")) {
-        let source = ["format", "cli", "synth"]
-            .iter()
-            .find_map(|kind| std::fs::read_to_string(root.join(format!("tests/{kind}/{file}.rs"))).ok());
-        let source = source.unwrap_or_default();
-        assert!(source.contains(&format!("#[test]\nfn {name}()")), "{file}::{name} is a test");
+    // `room::file::name` or `file::name` of a test beside the library, `path::tests::name` of one within it.
+    for (place, name) in page.split('`').skip(1).step_by(2).filter_map(|code| code.rsplit_once("::")) {
+        let paths: Vec<String> = match place.strip_suffix("::tests") {
+            Some(module) => vec![format!("src/{}.rs", module.replace("::", "/"))],
+            None => ["format", "cli", "synth"].iter().map(|room| format!("tests/{room}/{place}.rs")).collect(),
+        };
+        let source = paths.iter().find_map(|path| std::fs::read_to_string(root.join(path)).ok()).unwrap_or_default();
+        let before = source.split_once(&format!("fn {name}()")).map_or("", |(before, _)| before).trim_end();
+        let attributes = before.rsplit_once("\n\n").map_or(before, |(_, last)| last);
+        assert!(attributes.contains("#[test]"), "{place}::{name} is a test");
         found += 1;
     }
     assert!(found > 50, "the page names its tests: {found}");
