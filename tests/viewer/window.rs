@@ -107,6 +107,15 @@ impl Desktop {
         image::open(&path).expect("a picture of the screen").to_rgba8()
     }
 
+    /// Waits until nothing changes any more: what works is seen to work in the status bar.
+    fn wait_for_rest(&self) {
+        self.wait("rest", |desktop| {
+            let before = desktop.picture("now");
+            std::thread::sleep(Duration::from_millis(800));
+            before == desktop.picture("now")
+        });
+    }
+
     /// Waits until the view shows many colours: a texture.
     fn wait_for_texture(&self) {
         self.wait("the texture", |desktop| coloured(&desktop.picture("now")) > 12_000);
@@ -134,6 +143,7 @@ fn the_window_opens_turns_changes_saves_exports_and_closes() {
     std::fs::write(&project, text).unwrap();
     desktop.open(&["--size", "1280x800", project.to_str().unwrap()]);
     desktop.wait_for_texture();
+    desktop.wait_for_rest();
     let first = desktop.picture("opened");
 
     // Turned by the mouse, brought nearer by the wheel.
@@ -141,19 +151,22 @@ fn the_window_opens_turns_changes_saves_exports_and_closes() {
         desktop.tool(&step.split(' ').collect::<Vec<_>>());
         std::thread::sleep(Duration::from_millis(200));
     }
-    let turned = desktop.picture("turned");
-    let differ = first.pixels().zip(turned.pixels()).filter(|(a, b)| a != b).count();
-    assert!(differ > 10_000, "the vase turned: {differ} pixels differ");
+    let differ = |picture: &image::RgbaImage| first.pixels().zip(picture.pixels()).filter(|(a, b)| a != b).count();
+    desktop.wait("the vase turned", |d| differ(&d.picture("turned")) > 10_000);
 
     // Compared, and made smaller again.
     desktop.keys("v");
     std::thread::sleep(Duration::from_secs(1));
+    desktop.wait_for_rest();
     desktop.picture("split");
     desktop.keys("v");
+    desktop.wait_for_rest();
 
-    // The slider of the scale takes the keyboard's arrows once it is clicked.
-    desktop.tool(&["mousemove", "150", "250", "click", "1"]);
-    std::thread::sleep(Duration::from_millis(500));
+    // The slider of the scale, drawn to the right.
+    for step in ["mousemove 102 265", "mousedown 1", "mousemove 120 265", "mousemove 130 265", "mouseup 1"] {
+        desktop.tool(&step.split(' ').collect::<Vec<_>>());
+        std::thread::sleep(Duration::from_millis(200));
+    }
     desktop.wait("an unsaved change", |d| d.title().starts_with('*'));
     desktop.keys("ctrl+z");
     desktop.wait("the change undone", |d| !d.title().starts_with('*'));
@@ -167,7 +180,12 @@ fn the_window_opens_turns_changes_saves_exports_and_closes() {
 
     // A record, by its name typed into the window.
     let record = desktop.path("vase.glb");
+    desktop.wait_for_rest();
+    // Behind the question everything is dimmed, an empty place of the left panel too.
+    let panel = |picture: &image::RgbaImage| *picture.get_pixel(200, 650);
+    let before = panel(&desktop.picture("now"));
     desktop.keys("ctrl+e");
+    desktop.wait("the question for a name", |d| panel(&d.picture("now")) != before);
     std::thread::sleep(Duration::from_millis(700));
     desktop.keys("ctrl+a");
     desktop.tool(&["type", record.to_str().unwrap()]);
