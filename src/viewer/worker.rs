@@ -1,7 +1,7 @@
 //! Work off the thread that draws: a [`Lane`] does one job at a time, and of those that wait only the latest.
 //!
 //! While somebody drags a slider, jobs are asked for faster than they end. One that is quick is let to its end, so that the picture
-//! follows the hand; one that takes longer than [`PATIENCE`] is told to stop when a newer one is waiting.
+//! follows the hand; one that takes longer than `PATIENCE` is told to stop when a newer one is waiting.
 
 use crate::progress::Progress;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
