@@ -190,28 +190,28 @@ pub fn choose_windows(face_count: usize, lapped: &mut LappedTexture, seed: u64) 
     let order = outwards(&matcher.lists, &matcher.lapped.pastes);
     let waves = waves(face_count, &matcher.lapped.pastes, &order);
     let mut known = vec![false; order.len()];
-    let mut pastes = matcher.lapped.pastes.clone();
+    let mut offsets: Vec<Vec2> = matcher.lapped.pastes.iter().map(|p| p.offset).collect();
     let mut sums = [0.0_f64; 3];
     for wave in waves {
         let chosen: Vec<(Vec2, bool, [f64; 3])> = wave
             .par_iter()
             .map(|&k| {
-                let room = rooms[pastes[k as usize].patch as usize];
+                let room = rooms[matcher.lapped.pastes[k as usize].patch as usize];
                 if (room[1] - room[0]).max_element() < 1.0 {
-                    return (pastes[k as usize].offset, false, [0.0; 3]);
+                    return (offsets[k as usize], false, [0.0; 3]);
                 }
-                let samples = matcher.samples(k, &pastes, &known);
-                matcher.choose(k, &pastes, &samples, room, seed)
+                let samples = matcher.samples(k, &offsets, &known);
+                matcher.choose(k, &samples, room, seed)
             })
             .collect();
         for (&k, (offset, found, [weight, before, after])) in wave.iter().zip(chosen) {
-            pastes[k as usize].offset = offset;
+            offsets[k as usize] = offset;
             known[k as usize] = true;
             statistics.matched += usize::from(found);
             sums = [sums[0] + weight, sums[1] + before, sums[2] + after];
         }
     }
-    lapped.pastes = pastes;
+    lapped.pastes.iter_mut().zip(offsets).for_each(|(paste, offset)| paste.offset = offset);
     let rms = |sum: f64| if sums[0] > 0.0 { (sum / sums[0]).sqrt() } else { 0.0 };
     (statistics.border_before, statistics.border_after) = (rms(sums[1]), rms(sums[2]));
     statistics.seconds = begin.elapsed().as_secs_f64();
@@ -278,8 +278,8 @@ fn waves(face_count: usize, pastes: &[Paste], order: &[u32]) -> Vec<Vec<u32>> {
 
 impl Matcher<'_> {
     /// Where a paste meets others whose windows are known, as far as it shows.
-    fn samples(&self, k: u32, pastes: &[Paste], known: &[bool]) -> Vec<Sample> {
-        let paste = &pastes[k as usize];
+    fn samples(&self, k: u32, offsets: &[Vec2], known: &[bool]) -> Vec<Sample> {
+        let paste = &self.lapped.pastes[k as usize];
         let patch = &self.lapped.patches[paste.patch as usize];
         let border = &self.borders[paste.patch as usize];
         let pitch = border.pitch;
@@ -306,10 +306,10 @@ impl Matcher<'_> {
                     if bary.min_element() < 0.0 {
                         continue;
                     }
-                    self.mark(pastes, face, bary, &mut marks);
+                    self.mark(face, bary, &mut marks);
                     if let Some(own) = marks.iter().position(|m| m.paste == k) {
-                        samples.extend(self.over(pastes, known, &marks, own));
-                        samples.extend(self.under(pastes, known, &marks, own));
+                        samples.extend(self.over(offsets, known, &marks, own));
+                        samples.extend(self.under(offsets, known, &marks, own));
                     }
                 }
             }
@@ -318,10 +318,10 @@ impl Matcher<'_> {
     }
 
     /// The pastes that have alpha at a point, from the top down.
-    fn mark(&self, pastes: &[Paste], face: u32, bary: Vec3, marks: &mut Vec<Mark>) {
+    fn mark(&self, face: u32, bary: Vec3, marks: &mut Vec<Mark>) {
         marks.clear();
         for &(number, slot) in self.lists.of(face).iter().rev() {
-            let paste = &pastes[number as usize];
+            let paste = &self.lapped.pastes[number as usize];
             let alpha = paste_alpha(&self.lapped.patches, paste, slot, bary);
             if alpha > 0.0 {
                 let patch = &self.lapped.patches[paste.patch as usize];
@@ -334,21 +334,21 @@ impl Matcher<'_> {
     }
 
     /// The paste's own border over what is known below.
-    fn over(&self, pastes: &[Paste], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
+    fn over(&self, offsets: &[Vec2], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
         let seen: f32 = marks[..own].iter().map(|m| 1.0 - m.alpha).product();
         let weight = seen * marks[own].border;
         if weight < LEAST_WEIGHT {
             return None;
         }
         let mut other = Vec::new();
-        let count = self.levels(&pastes[marks[own].paste as usize]).len();
+        let count = self.levels(marks[own].paste).len();
         let (mut left, mut covered) = (1.0_f32, 0.0);
         for mark in &marks[own + 1..] {
             let share = left * mark.alpha;
             left -= share;
             if known[mark.paste as usize] {
                 covered += share;
-                self.add(&pastes[mark.paste as usize], mark, share, count, &mut other);
+                self.add(mark, offsets, share, count, &mut other);
             }
         }
         if covered < KNOWN {
@@ -359,20 +359,14 @@ impl Matcher<'_> {
     }
 
     /// The topmost known border over the paste.
-    fn under(&self, pastes: &[Paste], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
+    fn under(&self, offsets: &[Vec2], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
         let mut seen = 1.0;
         for (place, mark) in marks[..own].iter().enumerate() {
             let between: f32 = marks[place + 1..own].iter().map(|m| 1.0 - m.alpha).product();
             let weight = seen * mark.border * between * marks[own].alpha;
             if known[mark.paste as usize] && weight >= LEAST_WEIGHT {
                 let mut other = Vec::new();
-                self.add(
-                    &pastes[mark.paste as usize],
-                    mark,
-                    1.0,
-                    self.levels(&pastes[marks[own].paste as usize]).len(),
-                    &mut other,
-                );
+                self.add(mark, offsets, 1.0, self.levels(marks[own].paste).len(), &mut other);
                 return Some(Sample { pixel: marks[own].pixel, weight, other });
             }
             seen *= 1.0 - mark.alpha;
@@ -381,18 +375,20 @@ impl Matcher<'_> {
     }
 
     /// The levels of a paste's exemplar, finest first.
-    fn levels(&self, paste: &Paste) -> &[Level] {
-        &self.levels[self.lapped.patches[paste.patch as usize].exemplar as usize].0
+    fn levels(&self, paste: u32) -> &[Level] {
+        let patch = self.lapped.pastes[paste as usize].patch;
+        &self.levels[self.lapped.patches[patch as usize].exemplar as usize].0
     }
 
     /// Adds a share of what a paste shows, on as many levels as another has: they are counted from the coarsest, and a smaller exemplar
     /// gives its finest for those it lacks.
-    fn add(&self, paste: &Paste, mark: &Mark, share: f32, count: usize, to: &mut Vec<f32>) {
-        let levels = self.levels(paste);
+    fn add(&self, mark: &Mark, offsets: &[Vec2], share: f32, count: usize, to: &mut Vec<f32>) {
+        let levels = self.levels(mark.paste);
+        let pixel = mark.pixel + offsets[mark.paste as usize];
         let mut next = 0;
         for number in 0..count {
             let level = &levels[(levels.len() + number).saturating_sub(count).min(levels.len() - 1)];
-            let values = level.at(level.cell(mark.pixel + paste.offset));
+            let values = level.at(level.cell(pixel));
             to.resize(to.len().max(next + values.len()), 0.0);
             to[next..].iter_mut().zip(values).for_each(|(n, v)| *n += share * v);
             next += values.len();
@@ -400,15 +396,15 @@ impl Matcher<'_> {
     }
 
     /// The window of a paste; whether its border said anything; and weight and squared differences before and after.
-    fn choose(&self, k: u32, pastes: &[Paste], samples: &[Sample], room: [Vec2; 2], seed: u64) -> (Vec2, bool, [f64; 3]) {
+    fn choose(&self, k: u32, samples: &[Sample], room: [Vec2; 2], seed: u64) -> (Vec2, bool, [f64; 3]) {
         let span = room[1] - room[0];
         let mut random = Random::new(seed, STREAM + u64::from(k));
         let draw = |random: &mut Random| {
             let part = |span: f32, random: &mut Random| (random.unit() as f32 * span).floor().min((span - 1.0).max(0.0));
             room[0] + Vec2::new(part(span.x, random), part(span.y, random))
         };
-        let patch = &self.lapped.patches[pastes[k as usize].patch as usize];
-        let levels = self.levels(&pastes[k as usize]);
+        let patch = &self.lapped.patches[self.lapped.pastes[k as usize].patch as usize];
+        let levels = self.levels(k);
         let coarsest = levels.len() - 1;
         if samples.len() < LEAST_SAMPLES {
             return (draw(&mut random), false, [0.0; 3]);
@@ -447,7 +443,8 @@ impl Matcher<'_> {
             }
             best = next;
         }
-        let (error, offset) = best[0];
+        let offset = best[0].1;
+        let error = finest.error(offset);
         let size = Vec2::from(self.lapped.exemplars[patch.exemplar as usize].size().map(|s| s as f32));
         let offset = if room[0] == Vec2::ZERO && room[1] == size { offset.rem_euclid(size) } else { offset };
         (offset.round(), true, [weight, at_rest, error])
