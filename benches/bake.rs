@@ -15,8 +15,9 @@ use lapped::format::{Model, read_model};
 use lapped::job::{BakeJob, Bound, ExemplarInput, PasteJob, Scale, Steer, bake_model, paste_model};
 use lapped::mesh::{CleanOptions, clean};
 use lapped::paste::Composite;
-use lapped::progress::Silent;
+use lapped::progress::{Progress, Silent};
 use std::path::Path;
+use std::sync::Mutex;
 use std::time::Instant;
 
 /// Texels along each side of a page.
@@ -33,6 +34,30 @@ fn processor_seconds() -> f64 {
     ticks / 100.0
 }
 
+/// Notes when each stage begins.
+#[derive(Default)]
+struct Stages(Mutex<Vec<(String, Instant)>>);
+
+impl Progress for Stages {
+    fn stage(&self, name: &str, _total: u64) {
+        let mut stages = self.0.lock().expect("no stage panics");
+        if stages.last().is_none_or(|(last, _)| last != name) {
+            stages.push((name.to_owned(), Instant::now()));
+        }
+    }
+    fn done(&self, _done: u64) {}
+}
+
+impl Stages {
+    /// Each stage with its seconds.
+    fn told(&self) -> String {
+        let mut stages = self.0.lock().expect("no stage panics");
+        stages.push((String::new(), Instant::now()));
+        let one = |w: &[(String, Instant)]| format!("{} {:.2}", w[0].0, (w[1].1 - w[0].1).as_secs_f64());
+        stages.windows(2).map(one).collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// Bakes, prints a row, and returns faces and seconds.
 fn run(model: &Model) -> (usize, f64) {
     let input = ExemplarInput { exemplar: exemplar("moss").expect("a demo exemplar"), weight: 1.0, patches: Vec::new() };
@@ -41,10 +66,11 @@ fn run(model: &Model) -> (usize, f64) {
     let bound = Bound::new(record.clone()).expect("the record's model is a mesh");
     let texture = Composite::new(&bound.mesh, &bound.lapped);
     let job = BakeJob { unwrap: UnwrapOptions { size: SIZE, ..UnwrapOptions::default() }, ..BakeJob::default() };
+    let stages = Stages::default();
     reset_peak();
     let before = lapped::cli::report::peak_memory().unwrap_or(0) as f64;
     let (begin, cpu) = (Instant::now(), processor_seconds());
-    let done = bake_model(&record.model, &bound.mesh, &bound.user_faces, &texture, &job, &Silent).expect("the bench meshes bake");
+    let done = bake_model(&record.model, &bound.mesh, &bound.user_faces, &texture, &job, &stages).expect("the bench meshes bake");
     let (total, cpu) = (begin.elapsed().as_secs_f64(), processor_seconds() - cpu);
     let peak = lapped::cli::report::peak_memory().unwrap_or(0) as f64;
     let (faces, r) = (bound.mesh.face_count(), done.report);
@@ -62,6 +88,7 @@ fn run(model: &Model) -> (usize, f64) {
         r.bake.seams.most,
         r.bake.seams.greatest,
     );
+    println!("         {}", stages.told());
     (faces, total)
 }
 

@@ -14,6 +14,7 @@ mod common;
 use common::{Clock, sphere};
 use glam::{DVec3, Vec3};
 use lapped::compare::fidelity;
+use lapped::compare::measures::Reference;
 use lapped::exemplar::Exemplar;
 use lapped::exemplar::stack::Stack;
 use lapped::exemplar::symmetry::symmetry;
@@ -188,14 +189,12 @@ fn grids(side: usize, files: &[String]) {
 
 /// The measures of an image against its exemplar, both files.
 fn image_measures(image: &str, of: &str) {
-    use lapped::compare::measures::{measured, of_image};
     let read = |path: &str| {
         let options = ExemplarOptions { alone: true, ..ExemplarOptions::default() };
         read_exemplar(Path::new(path), &options).expect("an image").0
     };
     let (result, exemplar) = (read(image), prepared(&read(of), None, None));
-    let pieces = of_image(&result, 28, 1500, 1, [0.0, 1.0]);
-    let m = measured(&pieces, &of_image(&result, 120, 12, 2, [0.0, 1.0]), &of_image(&exemplar, 28, 1500, 3, [0.0, 1.0]));
+    let m = Reference::new(&exemplar).measure_image(&result, 1);
     println!(
         "measures {image} swd {:.3} coherence {:.4} {:.4} {:.4} completeness {:.4} energy {:.3} repeats {:.2}",
         m.swd, m.coherence.mean, m.coherence.p95, m.coherence.p99, m.completeness.mean, m.energy, m.repetition

@@ -1,4 +1,5 @@
-//! From a change to its picture, and how long the interface stands still meanwhile: `cargo bench --bench view`.
+//! From a change to its picture, and how long the interface stands still meanwhile: `cargo bench --bench view`; with `-- million`
+//! only what a model of a million faces takes.
 //!
 //! The viewer is driven without a window; frames are drawn by whatever adapter there is, software ones too. Drawing itself is
 //! not counted to the interface's time, waiting for the picture is.
@@ -11,6 +12,8 @@ use lapped::job::Link;
 use lapped::job::project::{Direction, Size};
 use lapped::render::gpu::Gpu;
 use lapped::viewer::{App, Graphics};
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Changes of each kind.
@@ -32,12 +35,20 @@ fn main() {
             None,
         );
     harness.step();
+    if !std::env::args().any(|argument| argument == "million") {
+        changes(&mut harness);
+    }
+    million(&mut harness, home.path());
+}
+
+/// Changes of each kind on models of several sizes.
+fn changes(harness: &mut Harness<'_, Option<App>>) {
     println!("model                faces  change       median ms   worst ms   longest stall ms");
     for (model, exemplar) in [("dragonling", "scales"), ("dragonling", "moss"), ("dragonling_25k", "scales")] {
         let app = harness.state_mut().as_mut().unwrap();
         app.set_exemplars(vec![Link::BuiltIn(exemplar.to_owned())]);
         app.set_model(Link::BuiltIn(model.to_owned()));
-        settle(&mut harness);
+        settle(harness);
         for name in ["seed", "scale", "direction"] {
             let mut times = Vec::new();
             *harness.state_mut().as_mut().unwrap().trace_mut() = lapped::viewer::trace::Trace::default();
@@ -52,7 +63,7 @@ fn main() {
                         p.direction = Direction::Up([angle.sin(), angle.cos(), 0.0]);
                     }),
                 }
-                settle(&mut harness);
+                settle(harness);
             }
             let app = harness.state().as_ref().unwrap();
             times.extend(app.trace().edits.iter().map(|e| 1e3 * e.seconds));
@@ -65,6 +76,51 @@ fn main() {
                 1e3 * app.trace().longest().as_secs_f64(),
             );
         }
+    }
+}
+
+/// Opens a model of a million faces, tells how long that takes and what the interface does meanwhile.
+fn million(harness: &mut Harness<'_, Option<App>>, folder: &Path) {
+    let knot = lapped::assets::mesh("knot").unwrap();
+    let (mut positions, mut faces) = (knot.positions, knot.faces);
+    while faces.len() < 1_000_000 {
+        let mut middles: BTreeMap<[u32; 2], u32> = BTreeMap::new();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                positions.push(0.5 * (positions[a as usize] + positions[b as usize]));
+                positions.len() as u32 - 1
+            })
+        };
+        let finer = faces.iter().flat_map(|&[a, b, c]| {
+            let [x, y, z] = [middle(a, b), middle(b, c), middle(c, a)];
+            [[a, x, z], [x, b, y], [z, y, c], [x, y, z]]
+        });
+        faces = finer.collect();
+    }
+    let path = folder.join("million.ply");
+    let mut ply = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face {}\n\
+         property list uchar uint vertex_indices\nend_header\n",
+        positions.len(),
+        faces.len()
+    )
+    .into_bytes();
+    positions.iter().for_each(|p| ply.extend(p.to_array().map(f32::to_le_bytes).as_flattened()));
+    for face in &faces {
+        ply.push(3);
+        ply.extend(face.map(u32::to_le_bytes).as_flattened());
+    }
+    std::fs::write(&path, ply).unwrap();
+    *harness.state_mut().as_mut().unwrap().trace_mut() = lapped::viewer::trace::Trace::default();
+    let begin = Instant::now();
+    harness.state_mut().as_mut().unwrap().open_all(&[path]);
+    settle(harness);
+    let app = harness.state().as_ref().unwrap();
+    let (seconds, trace) = (begin.elapsed().as_secs_f64(), app.trace());
+    println!("{} faces opened and pasted in {seconds:.1} s", app.shown().unwrap().mesh().face_count());
+    for stall in &trace.stalls {
+        let working = stall.working.map_or(String::new(), |w| format!(", of which {:.1} ms working", 1e3 * w));
+        println!("  at {:.1} s a frame of {:.1} ms{working}: {:?}", stall.at, 1e3 * stall.seconds, stall.parts);
     }
 }
 

@@ -5,10 +5,12 @@
 //! by [`super::grow`] and the mesh's own islands are packed by it as well. What is ours is around it:
 //!
 //! 1. The mesh is brought to unit size, so that no tolerance depends on its scale.
-//! 2. Pages are packed at a coarser resolution than they are baked at: a finer one gains next to nothing and costs much.
-//! 3. With several pages the density is searched that fills them.
+//! 2. A large mesh is cut into [`parts`], whose charts are made side by side.
+//! 3. Pages are packed at a coarser resolution than they are baked at: a finer one gains next to nothing and costs much.
+//! 4. With several pages the density is searched that fills them.
 
 use super::grow::{GrowOptions, grow};
+use super::parts::parts;
 use super::{Atlas, AtlasError, MAX_SIZE};
 use crate::mesh::{Mesh, NONE};
 use crate::progress::Progress;
@@ -18,6 +20,9 @@ use uvunwrap::{Density, MeshInput};
 
 /// Pages are packed on a grid of at most so many cells a side; cells are whole texels.
 const PACKING_GRID: u32 = 1024;
+
+/// Most faces of a part. Smaller parts are faster still, but their borders cost charts and stretch (`docs/performance.md`).
+const PART_FACES: usize = 1 << 17;
 
 /// Density is searched for several pages until it is within this share of the best.
 const DENSITY_STEP: f64 = 0.97;
@@ -87,14 +92,19 @@ pub struct FlatCharts {
     pub uv: Vec<DVec2>,
 }
 
-/// What the packer is given: positions at unit size and corners.
-struct Input {
+/// A part of what the packer is given: positions at unit size and corners.
+struct Part {
+    /// The faces of the mesh that these corners are of.
+    faces: Vec<u32>,
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,
     /// Vertex of the mesh at each position.
     vertices: Vec<u32>,
     uvs: Option<Vec<[f32; 2]>>,
 }
+
+/// What the packer is given.
+struct Input(Vec<Part>);
 
 impl Input {
     fn new(mesh: &Mesh, charts: Option<FlatCharts>) -> Self {
@@ -103,24 +113,32 @@ impl Input {
         let size = (high.as_dvec3() - low.as_dvec3()).max_element();
         let scale = if size > 0.0 { 1.0 / size } else { 1.0 };
         let unit = |v: u32| ((mesh.point(v) - middle) * scale).as_vec3().to_array();
-        match charts {
-            None => Self {
-                positions: (0..mesh.vertex_count() as u32).map(unit).collect(),
-                indices: mesh.faces.as_flattened().to_vec(),
-                vertices: (0..mesh.vertex_count() as u32).collect(),
-                uvs: None,
-            },
-            Some(charts) => Self {
+        if let Some(charts) = charts {
+            return Self(vec![Part {
+                faces: (0..mesh.face_count() as u32).collect(),
                 positions: charts.vertices.iter().map(|&v| unit(v)).collect(),
                 indices: charts.corners.as_flattened().to_vec(),
                 vertices: charts.vertices,
                 uvs: Some(charts.uv.iter().map(|p| p.as_vec2().to_array()).collect()),
-            },
+            }]);
         }
+        let mut place = vec![NONE; mesh.vertex_count()];
+        let part = |faces: Vec<u32>| {
+            // In the order of the mesh: charts depend on it.
+            let mut vertices: Vec<u32> = faces.iter().flat_map(|&f| mesh.faces[f as usize]).collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            (0..).zip(&vertices).for_each(|(i, &v)| place[v as usize] = i);
+            let indices = faces.iter().flat_map(|&f| mesh.faces[f as usize]).map(|v| place[v as usize]).collect();
+            Part { faces, positions: vertices.iter().map(|&v| unit(v)).collect(), indices, vertices, uvs: None }
+        };
+        Self(parts(mesh, PART_FACES).into_iter().map(part).collect())
     }
 
     fn generate(&self, options: &uvunwrap::Options, progress: &dyn Progress) -> Result<uvunwrap::Atlas, uvunwrap::Error> {
-        let input = MeshInput { existing_uvs: self.uvs.as_deref(), ..MeshInput::new(&self.positions, &self.indices) };
+        fn input(part: &Part) -> MeshInput<'_> {
+            MeshInput { existing_uvs: part.uvs.as_deref(), ..MeshInput::new(&part.positions, &part.indices) }
+        }
         let told = |p: uvunwrap::Progress| {
             let (name, total) = match p.stage {
                 uvunwrap::Stage::Parameterizing => ("laying charts flat", p.total.unwrap_or(0)),
@@ -133,7 +151,7 @@ impl Input {
             progress.done(p.done as u64);
             !progress.cancelled()
         };
-        uvunwrap::generate_with_progress(&[input], options, told)
+        uvunwrap::generate_with_progress(&self.0.iter().map(input).collect::<Vec<_>>(), options, told)
     }
 }
 
@@ -205,23 +223,26 @@ fn fill_pages(
 
 /// The crate's answer in our terms.
 fn collect(mesh: &Mesh, input: &Input, made: &uvunwrap::Atlas, (grid, size, margin): (u32, u32, u32)) -> Atlas {
-    let empty = uvunwrap::OutputMesh::default();
-    let out = made.meshes.first().unwrap_or(&empty);
     // The page is square; what was packed may be shorter.
     let scale = Vec2::new(made.width as f32, made.height as f32) / grid as f32;
-    let uv = out.vertices.iter().map(|v| {
-        let p = Vec2::from(v.uv) * scale;
-        Vec2::new(p.x, 1.0 - p.y).clamp(Vec2::ZERO, Vec2::ONE)
-    });
-    let corners: Vec<[u32; 3]> = out.indices.as_chunks::<3>().0.to_vec();
     let mut page = vec![0; made.chart_count as usize];
-    for v in &out.vertices {
-        if let (Some(chart), Some(p)) = (v.chart, v.page) {
-            page[chart as usize] = p;
+    let (mut corners, mut chart) = (vec![[0; 3]; mesh.face_count()], vec![NONE; mesh.face_count()]);
+    let (mut vertices, mut uv) = (Vec::new(), Vec::new());
+    for (part, out) in input.0.iter().zip(&made.meshes) {
+        let first = vertices.len() as u32;
+        for v in &out.vertices {
+            if let (Some(chart), Some(p)) = (v.chart, v.page) {
+                page[chart as usize] = p;
+            }
+            let p = Vec2::from(v.uv) * scale;
+            uv.push(Vec2::new(p.x, 1.0 - p.y).clamp(Vec2::ZERO, Vec2::ONE));
+            vertices.push(part.vertices[v.xref as usize]);
+        }
+        for (&f, of_face) in part.faces.iter().zip(out.indices.as_chunks::<3>().0) {
+            corners[f as usize] = of_face.map(|v| first + v);
+            chart[f as usize] = of_face.iter().find_map(|&v| out.vertices[v as usize].chart).unwrap_or(NONE);
         }
     }
-    let mut chart: Vec<u32> =
-        corners.iter().map(|c| c.iter().find_map(|&v| out.vertices[v as usize].chart).unwrap_or(NONE)).collect();
     // A component of nothing but needles has no chart of the crate's: one of its own, however small.
     if chart.contains(&NONE) {
         let (component, _) = mesh.components();
@@ -236,16 +257,7 @@ fn collect(mesh: &Mesh, input: &Input, made: &uvunwrap::Atlas, (grid, size, marg
     if page.is_empty() {
         page.push(0);
     }
-    Atlas {
-        chart,
-        corners,
-        vertices: out.vertices.iter().map(|v| input.vertices[v.xref as usize]).collect(),
-        uv: uv.collect(),
-        page,
-        pages: made.page_count.max(1),
-        size,
-        margin,
-    }
+    Atlas { chart, corners, vertices, uv, page, pages: made.page_count.max(1), size, margin }
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ pub mod grow;
 pub mod keep;
 pub mod measure;
 pub mod mips;
+pub mod parts;
 pub mod raster;
 pub mod seams;
 pub mod texture;

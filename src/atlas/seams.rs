@@ -19,9 +19,10 @@
 use super::bake::Page;
 use super::{Atlas, Frames, raster};
 use crate::exemplar::{Channel, srgb};
-use crate::mesh::{Mesh, next};
+use crate::mesh::{Mesh, NONE, next};
 use crate::numeric::{CgOptions, Pair, Preconditioner, Stop, solve};
 use glam::{DVec2, Mat2, Vec2, Vec3};
+use rayon::prelude::*;
 use serde::Serialize;
 
 /// Points a texel along a border.
@@ -37,7 +38,7 @@ const GUTTER: f64 = 0.02;
 /// Weight of that wish where a texel is held at the end of its range.
 const HELD: f64 = 1e6;
 
-/// Residual, relative to the right-hand side, at which no texel is off by a step of eight bits any more: the right-hand side is
+/// Residual, relative to the first round's right-hand side, at which no texel is off by a step of eight bits any more: the right-hand side is
 /// the difference itself.
 const TOLERANCE: f64 = 1e-3;
 
@@ -85,7 +86,8 @@ pub struct Seams {
     points: Vec<[Footprint; 2]>,
     /// For each point how the second side's frame lies in the first's, zero at creases; empty without normals.
     turns: Vec<Mat2>,
-    /// The texels in any footprint, rising; footprints hold places in this list.
+    /// The texels in any footprint, in the order in which points meet them, so that what lies together along a border lies together
+    /// in memory; footprints hold places in this list.
     texels: Vec<u64>,
     page_texels: u64,
     length: f64,
@@ -128,11 +130,20 @@ impl Seams {
                 }
             }
         }
-        let mut texels: Vec<u64> = raw.iter().flatten().flat_map(|(t, _)| *t).collect();
-        texels.sort_unstable();
-        texels.dedup();
-        let place = |t: u64| texels.partition_point(|&other| other < t) as u32;
-        let points = raw.iter().map(|sides| sides.map(|(t, weights)| Footprint { texels: t.map(place), weights })).collect();
+        let mut rising: Vec<u64> = raw.iter().flatten().flat_map(|(t, _)| *t).collect();
+        rising.sort_unstable();
+        rising.dedup();
+        let mut number = vec![NONE; rising.len()];
+        let mut texels = Vec::with_capacity(rising.len());
+        let mut place = |t: u64| {
+            let number = &mut number[rising.partition_point(|&other| other < t)];
+            if *number == NONE {
+                *number = texels.len() as u32;
+                texels.push(t);
+            }
+            *number
+        };
+        let points = raw.iter().map(|sides| sides.map(|(t, weights)| Footprint { texels: t.map(&mut place), weights })).collect();
         Self { points, turns, texels, page_texels, length }
     }
 
@@ -165,15 +176,25 @@ impl Seams {
                 _ => plain.extend(mine),
             }
         }
+        let mut work = Vec::new();
         for (components, kind) in [(light, Kind::Light), (plain, Kind::Plain), (turned, Kind::Normal)] {
             for pair in components.chunks(2) {
-                let both = [pair[0], *pair.last().unwrap_or(&pair[0])];
                 // The third component of a normal lies along the axis of the turn.
                 let kind = if kind == Kind::Normal && pair.len() == 1 { Kind::Axis } else { kind };
-                let mut x = self.read(pages, both);
-                self.match_sides(&stay, &mut x, kind);
-                self.write(pages, both, &x);
+                work.push(([pair[0], *pair.last().unwrap_or(&pair[0])], kind));
             }
+        }
+        let read = &*pages;
+        let solved: Vec<Vec<Pair>> = work
+            .par_iter()
+            .map(|&(both, kind)| {
+                let mut x = self.read(read, both);
+                self.match_sides(&stay, &mut x, kind);
+                x
+            })
+            .collect();
+        for (&(both, _), x) in work.iter().zip(&solved) {
+            self.write(pages, both, x);
         }
         for page in pages.iter_mut() {
             self.unit_normals(page);
@@ -214,6 +235,8 @@ impl Seams {
     fn match_sides(&self, stay: &[f64], x: &mut [Pair], kind: Kind) {
         let mut wanted = x.to_vec();
         let mut held = vec![[false; 2]; x.len()];
+        // What is still apart in later rounds is small; it need not be known more exactly than in the first.
+        let mut first = 0.0_f64;
         for _ in 0..ROUNDS {
             let system = System::new(self, stay, &held, x, kind);
             let mut rhs = vec![[0.0; 2]; x.len()];
@@ -221,10 +244,13 @@ impl Seams {
             for (i, rhs) in rhs.iter_mut().enumerate() {
                 *rhs = [0, 1].map(|c| system.keep[i][c] * (wanted[i][c] - x[i][c]) - rhs[c]);
             }
+            let size = rhs.iter().flatten().map(|r| r * r).sum::<f64>().sqrt();
+            first = first.max(size);
+            let tolerance = if size > 0.0 { TOLERANCE * first / size } else { TOLERANCE };
             let mut change = vec![[0.0; 2]; x.len()];
             let mut preconditioner = Diagonal(system.diagonal());
             let coupled = kind == Kind::Normal;
-            let options = CgOptions { stop: Stop::Residual(TOLERANCE), max_iterations: MAX_ITERATIONS, coupled };
+            let options = CgOptions { stop: Stop::Residual(tolerance), max_iterations: MAX_ITERATIONS, coupled };
             solve(|x, out| system.apply(x, out), &rhs, &mut change, &mut preconditioner, options);
             let mut beyond = false;
             for i in 0..x.len() {

@@ -234,7 +234,10 @@ fn mesh_report(args: &InspectArgs, path: &Path, model: &Model, lapped: Option<La
         bounds_max: high.to_array(),
         area: cleaned.mesh.total_area(),
         default_scale: default_scale(&cleaned.mesh, DEFAULT_RATIO, 1.0),
-        estimate: Estimate::new(&Work { exemplars: vec![USUAL_EXEMPLAR], ..Work::new(&cleaned.report, DEFAULT_RATIO, true, &[]) }),
+        estimate: Estimate::new(&Work {
+            exemplars: vec![USUAL_EXEMPLAR],
+            ..Work::new(&cleaned.report, DEFAULT_RATIO, true, true, &[])
+        }),
         clean: cleaned.report,
         lapped,
     })

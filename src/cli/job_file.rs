@@ -35,12 +35,7 @@ struct Keys {
 /// If it cannot be read, is no TOML, has no region, or a key is unknown or has an unusable value.
 pub fn read(path: &Path) -> anyhow::Result<Vec<JobRegion>> {
     let name = || path.display().to_string();
-    let text = String::from_utf8(read_file(path, "the job file")?);
-    let text = text.map_err(|_| anyhow!("{}: this is no text: name a TOML file", name()))?;
-    let mut table: Table = text.parse().map_err(|e: toml::de::Error| {
-        let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
-        anyhow!("{}: line {line}: {}: check the TOML there", name(), e.message().replace('\n', " "))
-    })?;
+    let mut table = table(path)?;
     let defaults = match table.remove("defaults") {
         None => Table::new(),
         Some(Value::Table(defaults)) => defaults,
@@ -70,19 +65,36 @@ pub fn read(path: &Path) -> anyhow::Result<Vec<JobRegion>> {
     regions.into_iter().enumerate().map(one).collect::<anyhow::Result<_>>().with_context(name)
 }
 
-fn region_of(mut keys: Table, name: &str, folder: &Path) -> anyhow::Result<JobRegion> {
+/// A TOML file.
+///
+/// # Errors
+/// If it cannot be read, or is no TOML.
+pub(super) fn table(path: &Path) -> anyhow::Result<Table> {
+    let name = || path.display().to_string();
+    let text = String::from_utf8(read_file(path, "the job file")?);
+    let text = text.map_err(|_| anyhow!("{}: this is no text: name a TOML file", name()))?;
+    text.parse().map_err(|e: toml::de::Error| {
+        let line = e.span().map_or(1, |s| text[..s.start.min(text.len())].matches('\n').count() + 1);
+        anyhow!("{}: line {line}: {}: check the TOML there", name(), e.message().replace('\n', " "))
+    })
+}
+
+/// Keys as the flags they are; those of `lists` take all values of a list at once, separated by commas.
+///
+/// # Errors
+/// If a value is neither text nor a number.
+pub(super) fn flags(keys: Table, lists: &[&str]) -> anyhow::Result<Vec<String>> {
     let mut words = Vec::new();
-    let exemplars = keys.remove("exemplar").context("it has no exemplar: give exemplar = \"FILE\" or a list")?;
     for (key, value) in keys {
         let flag = format!("--{key}");
         match value {
             Value::Boolean(false) => {}
             Value::Boolean(true) => words.push(flag),
-            // Several values of one flag that takes a list, or the flag again and again.
-            Value::Array(list) if key == "weights" || key == "up" => {
+            Value::Array(list) if lists.contains(&key.as_str()) => {
                 let list: Vec<String> = list.into_iter().map(|v| word(&key, v)).collect::<anyhow::Result<_>>()?;
                 words.push(format!("{flag}={}", list.join(",")));
             }
+            // The flag again and again.
             Value::Array(list) => {
                 for value in list {
                     words.push(format!("{flag}={}", word(&key, value)?));
@@ -91,6 +103,12 @@ fn region_of(mut keys: Table, name: &str, folder: &Path) -> anyhow::Result<JobRe
             value => words.push(format!("{flag}={}", word(&key, value)?)),
         }
     }
+    Ok(words)
+}
+
+fn region_of(mut keys: Table, name: &str, folder: &Path) -> anyhow::Result<JobRegion> {
+    let exemplars = keys.remove("exemplar").context("it has no exemplar: give exemplar = \"FILE\" or a list")?;
+    let mut words = flags(keys, &["weights", "up"])?;
     words.push("--".to_owned());
     match exemplars {
         Value::Array(list) => {
@@ -100,13 +118,13 @@ fn region_of(mut keys: Table, name: &str, folder: &Path) -> anyhow::Result<JobRe
         }
         value => words.push(word("exemplar", value)?),
     }
-    let Keys { mut exemplars, mut args } = Keys::try_parse_from(words).map_err(|e| anyhow!("{}", first_line(&e)))?;
+    let Keys { mut exemplars, mut args } = Keys::try_parse_from(words).map_err(|e| anyhow!("{}", first_line(&e, "paste")))?;
     args.resolve(folder);
     exemplars.iter_mut().for_each(|e| *e = folder.join(&*e));
     Ok(JobRegion { name: name.to_owned(), exemplars, args })
 }
 
-fn word(key: &str, value: Value) -> anyhow::Result<String> {
+pub(super) fn word(key: &str, value: Value) -> anyhow::Result<String> {
     Ok(match value {
         Value::String(text) => text,
         Value::Integer(number) => number.to_string(),
@@ -115,9 +133,9 @@ fn word(key: &str, value: Value) -> anyhow::Result<String> {
     })
 }
 
-/// What clap says of a flag, as it reads in a file.
-fn first_line(error: &clap::Error) -> String {
+/// What clap says of a flag of a command, as it reads in a file.
+pub(super) fn first_line(error: &clap::Error, command: &str) -> String {
     let text = error.to_string();
     let line = text.lines().next().unwrap_or_default().trim_start_matches("error: ").replace("--", "");
-    format!("{line}: use the flags of `lapped paste` as keys, without dashes")
+    format!("{line}: use the flags of `lapped {command}` as keys, without dashes")
 }

@@ -7,6 +7,8 @@ pub mod bake;
 pub mod bar;
 mod brush;
 pub mod channels;
+pub mod compare;
+mod compare_job;
 pub mod demo;
 pub mod field;
 pub mod inspect;
@@ -20,7 +22,6 @@ pub mod retile;
 pub mod shell;
 pub mod synth;
 pub mod synth_round;
-mod vertex_output;
 #[cfg(feature = "viewer")]
 pub mod view;
 
@@ -48,6 +49,8 @@ const AFTER_HELP: &str = "Examples:\n  \
     lapped paste rock.ply moss.jpg -o rock.glb --field none --preview rock.png\n  \
     lapped synth torus.obj pebbles.jpg -o torus.glb         a texture that looks like pebbles, vertex by vertex
   \
+    lapped compare bunny.obj pebbles.jpg -o compared         how pasting, synthesis and projections do, as a page
+  \
     lapped render bunny.glb -o bunny.png --size 1024x1024 --camera yaw=30,pitch=15\n  \
     lapped inspect bunny.obj                                what is in a file, and what would be mended\n\n\
     Every command explains its options and shows examples: lapped paste --help";
@@ -62,6 +65,8 @@ enum Command {
     Bake(bake::BakeArgs),
     /// Give a re-tiled mesh a texture at its vertices that looks like an example image
     Synth(Box<synth::SynthArgs>),
+    /// Put pasted, synthesized and projected textures side by side, in pictures and numbers
+    Compare(Box<compare::CompareArgs>),
     /// Draw a record, or a plain mesh
     Render(render::RenderArgs),
     /// Open the window: see, steer and change a texture live
@@ -123,6 +128,7 @@ pub fn run(cli: Cli) -> ExitCode {
         Command::Paste(args) => with_threads(&args.common, || paste::run(args)),
         Command::Bake(args) => with_threads(&args.common, || bake::run(args)),
         Command::Synth(args) => with_threads(&args.common, || synth::run(args)),
+        Command::Compare(args) => with_threads(&args.common, || compare::run(args)),
         Command::Render(args) => with_threads(&args.common, || render::run(args)),
         #[cfg(feature = "viewer")]
         Command::View(args) => on_main_thread(&args.common, || view::run(args)),

@@ -3,7 +3,6 @@
 
 use super::Common;
 use super::channels::ChannelArgs;
-use crate::exemplar::symmetry::exemplar_symmetry;
 use crate::exemplar::{Exemplar, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
 use crate::field::nway::MOST_WAYS;
@@ -269,13 +268,11 @@ pub(super) fn steer_of(named: &str, axis: DVec3) -> anyhow::Result<Steer> {
 
 /// What an exemplar's own symmetry asks for; says what it found.
 pub(super) fn found_steer(exemplar: &Exemplar, common: &Common) -> Steer {
-    let Some(found) = exemplar_symmetry(exemplar) else { return Steer::Relaxed(1) };
-    let (steer, flag) = if found.isotropic {
-        (Steer::Isotropic(None), "none".to_owned())
-    } else {
-        (Steer::Relaxed(found.n), format!("relax:{}", found.n))
-    };
-    common.say(&format!("field: turned, {found}: --field {flag}"));
+    let (steer, found) = Steer::by_exemplar(exemplar);
+    if let Some(found) = found {
+        let flag = if found.isotropic { "none".to_owned() } else { format!("relax:{}", found.n) };
+        common.say(&format!("field: turned, {found}: --field {flag}"));
+    }
     steer
 }
 

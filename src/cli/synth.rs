@@ -6,10 +6,9 @@ use super::channels::ChannelArgs;
 use super::picture::{self, Size};
 use super::region::{found_steer, steer_of};
 use super::synth_round::{self, RoundArgs};
-use super::vertex_output;
 use super::{Common, report};
 use crate::exemplar::{Channel, Exemplar, MipChain};
-use crate::format::{Model, check_output, export, read_exemplar, read_model};
+use crate::format::{Model, check_output, export, read_exemplar, read_model, vertices, write_vertices};
 use crate::job::synth::VERTICES;
 use crate::job::{
     BakeJob, Density, Direction, Painted, Steer, SynthJob, SynthJobError, SynthReport, Synthesized, bake_model, synthesize_on,
@@ -235,7 +234,7 @@ fn run_levels(args: &SynthArgs) -> anyhow::Result<()> {
         bail!("--plane goes with --method chen-dong");
     }
     let begin = Instant::now();
-    let kind = vertex_output::kind(&args.output)?;
+    let kind = vertices::Kind::of(&args.output)?;
     args.bake.as_deref().map(export::Kind::of).transpose()?;
     [Some(&args.output), args.preview.as_ref(), args.bake.as_ref(), args.common.report.as_ref()]
         .into_iter()
@@ -291,7 +290,7 @@ fn run_levels(args: &SynthArgs) -> anyhow::Result<()> {
     }
     let moved = args.displace.map(|depth| made.texture.displaced(depth));
     let mesh = moved.as_ref().unwrap_or(&made.texture.mesh);
-    vertex_output::write(&args.output, kind, &model.name, mesh, &made.texture)?;
+    write_vertices(&args.output, kind, &model.name, mesh, &made.texture)?;
     write_more(args, &model, &cleaned, &made.texture, mesh)?;
     summary(args, &made, begin.elapsed().as_secs_f64());
     if let Some(path) = &args.common.report {

@@ -2,10 +2,12 @@
 
 use super::bar::Bar;
 use super::region::found_steer;
+use super::report;
 use super::synth::{SynthArgs, check, density, direction, exemplar_path, tiles, write_more};
-use super::{report, vertex_output};
 use crate::exemplar::{Channel, Exemplar};
-use crate::format::{check_output, export, read_exemplar, read_file, read_model, save_channel, write_file};
+use crate::format::{
+    check_output, export, read_exemplar, read_file, read_model, save_channel, vertices, write_file, write_vertices,
+};
 use crate::job::round::LEVELS;
 use crate::job::{Refined, RoundJob, RoundJobError, RoundReport, march, synthesize_marched, synthesize_plane_image};
 use crate::mesh::{CleanOptions, CleanReport, clean};
@@ -157,7 +159,7 @@ pub(super) fn run(args: &SynthArgs) -> anyhow::Result<()> {
 
 fn surface(args: &SynthArgs, exemplar: &Exemplar, job: RoundJob) -> anyhow::Result<()> {
     let begin = Instant::now();
-    let kind = vertex_output::kind(&args.output)?;
+    let kind = vertices::Kind::of(&args.output)?;
     args.bake.as_deref().map(export::Kind::of).transpose()?;
     let outputs = [Some(&args.output), args.preview.as_ref(), args.bake.as_ref(), args.common.report.as_ref()];
     outputs.into_iter().flatten().chain(&args.round.marching).try_for_each(|p| check_output(p))?;
@@ -200,7 +202,7 @@ fn surface(args: &SynthArgs, exemplar: &Exemplar, job: RoundJob) -> anyhow::Resu
     }
     let moved = args.displace.map(|depth| made.texture.displaced(depth));
     let mesh = moved.as_ref().unwrap_or(&made.texture.mesh);
-    vertex_output::write(&args.output, kind, &model.name, mesh, &made.texture)?;
+    write_vertices(&args.output, kind, &model.name, mesh, &made.texture)?;
     write_more(args, &model, &cleaned, &made.texture, mesh)?;
     summary(args, mesh.vertex_count(), &made.report, begin.elapsed().as_secs_f64());
     told_in_full(args, mesh.vertex_count(), Some(cleaned.report), &job, made.report, begin)

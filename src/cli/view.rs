@@ -14,7 +14,8 @@ Examples:
   lapped view bunny.glb                  a record that `lapped paste` wrote
   lapped view bunny.lapped               a project saved in the window
 
-In the window: drag turns, Shift and drag moves, the wheel brings nearer; F frames, F1 shows all keys.")]
+In the window: drag turns, Shift and drag moves, the wheel brings nearer; F frames, Y shows pasted and synthesised side by side, F1
+shows all keys.")]
 pub struct ViewArgs {
     /// What to open: a mesh or record, exemplar images or folders of material maps, or a project (.lapped)
     #[arg(value_name = "FILE")]

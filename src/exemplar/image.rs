@@ -1,6 +1,7 @@
 //! Images of 32-bit floats, one or three components a pixel, and their mip chains.
 
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// A float image. Colour is linear light.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,10 +113,10 @@ fn neighbours(at: f32, count: u32) -> ((usize, usize), f32) {
     ((low.clamp(0, last) as usize, low.saturating_add(1).clamp(0, last) as usize), p - low as f32)
 }
 
-/// An image and its successive halvings down to one pixel.
+/// An image and its successive halvings down to one pixel. Copies share their pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MipChain {
-    levels: Vec<Image>,
+    levels: Arc<[Image]>,
 }
 
 impl MipChain {
@@ -141,7 +142,7 @@ impl MipChain {
             }
             let [w, h] = levels[last].size();
             if w == 1 && h == 1 {
-                return Self { levels };
+                return Self { levels: levels.into() };
             }
             levels.push(halve(&levels[last]));
         }

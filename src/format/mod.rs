@@ -22,6 +22,7 @@ mod polygon;
 pub mod record;
 mod stl;
 mod text;
+pub mod vertices;
 
 pub use error::{FormatError, Warning};
 pub use look::{Look, read_look, read_look_bytes};
@@ -31,6 +32,7 @@ pub use motion::{Motion, MotionError};
 pub use output::{abandon_outputs, check_output, write_file};
 pub use picture::{save_channel, save_image};
 pub use record::{Record, holds_record, read_record, read_record_bytes, write_record};
+pub use vertices::write_vertices;
 
 use std::path::Path;
 

@@ -349,8 +349,11 @@ pub fn exemplar_density(mesh: &Mesh, lapped: &LappedTexture) -> f64 {
     if world > 0.0 { (pixels / world).sqrt() } else { 0.0 }
 }
 
-/// Share of a page that charts fill, as a rule.
+/// Share of a page that charts fill, as a rule, but for the gutters of small pages.
 const FILLED: f64 = 0.6;
+
+/// Texels of a page's side that go to gutters, as a rule: on a page of 256 they cost half of its texels.
+const GUTTERS: f64 = 64.0;
 
 /// The sizes that are chosen from when nobody says: a bake that shows all the exemplar has, within reason.
 const SIZES: [u32; 4] = [256, 512, 1024, 2048];
@@ -361,7 +364,8 @@ const LARGEST: u32 = 8192;
 /// Texels a world unit on a page of so many texels a side, before the charts are made.
 fn expected_density(mesh: &Mesh, size: u32) -> f64 {
     let area = mesh.total_area();
-    if area > 0.0 { f64::from(size) * (FILLED / area).sqrt() } else { 0.0 }
+    let size = f64::from(size);
+    if area > 0.0 { (size - GUTTERS).max(0.25 * size) * (FILLED / area).sqrt() } else { 0.0 }
 }
 
 /// Texels along each side of an atlas that keeps the exemplars' density, 2048 at most.

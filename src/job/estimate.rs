@@ -7,7 +7,7 @@
 
 use crate::exemplar::{Channel, Exemplar};
 use crate::mesh::CleanReport;
-use crate::paste::PASTES_PER_COVER;
+use crate::paste::{FINEST_WINDOW, PASTES_PER_COVER};
 use serde::Serialize;
 
 /// Pastes and memory of usual jobs lie within this factor of the estimate.
@@ -23,19 +23,24 @@ const DIRECTED: f64 = 1.25;
 const POLES: f64 = 15.0;
 
 /// Bytes: the program itself,
-const BASE: f64 = 10e6;
+const BASE: f64 = 16e6;
 /// a face with its share of pastes, without a direction and with one,
 const FACE: [f64; 2] = [400.0, 550.0];
 /// a pixel of an exemplar with the masks of its patches,
 const PIXEL: f64 = 32.5;
 /// each component of that pixel (two copies with their mip levels),
 const COMPONENT: f64 = 2.0 * 16.0 / 3.0;
+/// the same where windows are chosen, for each pixel of the finest level that they look at,
+const WINDOW_COMPONENT: f64 = 21.0;
 /// and a coverage cell.
 const CELL: f64 = 0.75;
 
 /// Seconds of one core of a 2.5 GHz server processor: starting, a face (without and with a direction), a paste, a pixel, a
 /// coverage cell.
 const SECONDS: [f64; 6] = [0.05, 2.2e-5, 5.5e-5, 6.5e-4, 2.5e-6, 1.2e-7];
+
+/// Seconds of one core that choosing the window of a paste adds.
+const WINDOW_PASTE: f64 = 3e-3;
 
 /// What an estimate goes by.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +55,8 @@ pub struct Work {
     pub directed: bool,
     /// Pixels and components of each exemplar.
     pub exemplars: Vec<(f64, usize)>,
+    /// Whether each paste's window of its exemplar is chosen.
+    pub windows: bool,
     /// Threads at work.
     pub threads: usize,
 }
@@ -57,7 +64,7 @@ pub struct Work {
 impl Work {
     /// Work on a clean mesh with these exemplars.
     #[must_use]
-    pub fn new(report: &CleanReport, ratio: f64, directed: bool, exemplars: &[Exemplar]) -> Self {
+    pub fn new(report: &CleanReport, ratio: f64, directed: bool, windows: bool, exemplars: &[Exemplar]) -> Self {
         let size = |e: &Exemplar| {
             let [w, h] = e.size().map(f64::from);
             (w * h, e.channels().iter().map(Channel::components).sum())
@@ -68,6 +75,7 @@ impl Work {
             ratio,
             directed,
             exemplars: exemplars.iter().map(size).collect(),
+            windows,
             threads: rayon::current_num_threads(),
         }
     }
@@ -102,14 +110,22 @@ impl Estimate {
         let faces = work.faces as f64;
         let pixels: f64 = work.exemplars.iter().map(|e| e.0).sum();
         let numbers: f64 = work.exemplars.iter().map(|e| e.0 * e.1 as f64).sum();
+        let looked_at = |e: &(f64, usize)| e.0.min(f64::from(FINEST_WINDOW * FINEST_WINDOW)) * e.1 as f64;
+        let windows = if work.windows { work.exemplars.iter().map(looked_at).sum() } else { 0.0 };
         // A surface of `ratio` exemplars has a cell for every four of their pixels.
         let cells = work.ratio * work.exemplars.iter().map(|e| e.0).fold(0.0, f64::max) / 4.0;
         let [start, isotropic, along, paste, pixel, cell] = SECONDS;
+        let paste = if work.windows { paste + WINDOW_PASTE } else { paste };
         let one_core = [isotropic, along][directed] * faces + paste * pastes + pixel * pixels + cell * cells;
         Self {
             pastes,
             seconds: start + one_core / work.threads.max(1) as f64,
-            memory_bytes: BASE + FACE[directed] * faces + PIXEL * pixels + COMPONENT * numbers + CELL * cells,
+            memory_bytes: BASE
+                + FACE[directed] * faces
+                + PIXEL * pixels
+                + COMPONENT * numbers
+                + WINDOW_COMPONENT * windows
+                + CELL * cells,
         }
     }
 }
@@ -121,6 +137,32 @@ pub fn in_words(bytes: f64) -> String {
         b if b >= 1e9 => format!("{:.1} GB", b / 1e9),
         b => format!("{:.0} MB", (b / 1e6).max(1.0)),
     }
+}
+
+/// The most memory the process has held since it began, or since [`forget_peak`], bytes; `None` where the system does not say.
+#[must_use]
+pub fn peak_memory() -> Option<u64> {
+    status("VmHWM:")
+}
+
+/// Memory the process holds now, bytes; `None` where the system does not say.
+#[must_use]
+pub fn held_memory() -> Option<u64> {
+    status("VmRSS:")
+}
+
+/// Lets [`peak_memory`] begin anew; true where the system can.
+#[must_use]
+pub fn forget_peak() -> bool {
+    std::fs::write("/proc/self/clear_refs", "5").is_ok()
+}
+
+/// A number of bytes that the system tells of this process.
+fn status(name: &str) -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|l| l.starts_with(name))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes * 1024)
 }
 
 /// Memory that can be had now without harm to others, bytes; `None` where the system does not say.

@@ -7,6 +7,7 @@
 
 pub mod area;
 pub mod bake;
+pub mod beside;
 pub mod bind;
 pub mod directions;
 pub mod displace;
@@ -21,13 +22,17 @@ pub mod synth;
 
 pub use area::{Area, AreaError, Where};
 pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record, bake_record_sized};
+pub use beside::{Beside, Synthesis};
 pub use bind::Bound;
 pub use directions::Direction;
 pub use displace::{Displace, displace_mesh};
 pub use estimate::{Estimate, Work, available_memory};
 pub use moving::Moving;
 pub use painted::Painted;
-pub use paste::{ExemplarInput, JobError, JobReport, Laid, PasteJob, Pasted, Scale, Steer, cut_patches, lay, paste_model};
+pub use paste::{
+    ExemplarInput, Guided, JobError, JobReport, Laid, PasteJob, Pasted, Scale, Steer, TakeDraft, cut_patches, guided, lay,
+    lay_with_draft, paste_model,
+};
 pub use project::{Link, Project, ProjectError, ProjectExemplar};
 pub use regions::{Region, RegionReport, paste_regions};
 pub use round::{

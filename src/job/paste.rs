@@ -10,6 +10,7 @@ use super::bind::Outgoing;
 use super::estimate::{Estimate, Work, in_words};
 use crate::exemplar::extend::extend_exemplar;
 use crate::exemplar::stack::tiles;
+use crate::exemplar::symmetry::{Symmetry, exemplar_symmetry};
 use crate::exemplar::{
     Channel, Exemplar, ExemplarError, PatchOptions, PatchSource, PatchSpec, TexturePatch, Wrap, make_patches, opacity_is_outline,
 };
@@ -21,7 +22,7 @@ use crate::format::{Model, Record};
 use crate::mesh::curvature::curvature;
 use crate::mesh::subdivide::{Subdivision, cut_larger};
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, MeshError, clean};
-use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, Seeding, paste_with_seedings};
+use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, Seeding, cover};
 use crate::progress::{Progress, Silent};
 use glam::DVec3;
 use serde::Serialize;
@@ -62,6 +63,18 @@ pub enum Steer {
 impl Default for Steer {
     fn default() -> Self {
         Self::Up(DVec3::Y)
+    }
+}
+
+impl Steer {
+    /// What an exemplar's own symmetry asks for, and the symmetry; the smoothest field where that cannot be told.
+    #[must_use]
+    pub fn by_exemplar(exemplar: &Exemplar) -> (Self, Option<Symmetry>) {
+        match exemplar_symmetry(exemplar) {
+            None => (Self::Relaxed(1), None),
+            Some(found) if found.isotropic => (Self::Isotropic(None), Some(found)),
+            Some(found) => (Self::Relaxed(found.n), Some(found)),
+        }
     }
 }
 
@@ -241,6 +254,17 @@ pub struct Laid {
 }
 
 impl Laid {
+    fn new(
+        fine: Option<Subdivision>,
+        guide: Guide,
+        mut report: JobReport,
+        (lapped, seedings, statistics): (LappedTexture, Vec<Seeding>, PasteStatistics),
+    ) -> Self {
+        report.warnings.extend(too_many_draws(&statistics));
+        report.paste = statistics;
+        Self { fine, lapped, seedings, guide, report }
+    }
+
     /// The mesh that was pasted on.
     #[must_use]
     pub fn mesh<'a>(&'a self, cleaned: &'a Cleaned) -> &'a Mesh {
@@ -281,22 +305,67 @@ pub fn lay(
     job: &PasteJob,
     progress: &dyn Progress,
 ) -> Result<Laid, JobError> {
+    lay_with_draft(cleaned, exemplars, patches, job, progress, None)
+}
+
+/// What takes a draft.
+pub type TakeDraft<'a> = &'a mut dyn FnMut(Laid);
+
+/// [`lay`], with a draft before the windows of the pastes are chosen, if they are to be: the same pastes, as their patches were cut.
+///
+/// # Errors
+/// As [`lay`].
+pub fn lay_with_draft(
+    cleaned: &Cleaned,
+    exemplars: Vec<Exemplar>,
+    patches: Vec<TexturePatch>,
+    job: &PasteJob,
+    progress: &dyn Progress,
+    draft: Option<TakeDraft<'_>>,
+) -> Result<Laid, JobError> {
     let begin = Instant::now();
-    let mut report = JobReport { clean: cleaned.report.clone(), patches: patches.len(), ..JobReport::default() };
     progress.stage("making the field", 0);
-    (report.scale, report.ratio) = scale_of(&cleaned.mesh, job, &exemplars)?;
-    let directed = !matches!(job.steer, Steer::Isotropic(_));
-    report.estimate = Estimate::new(&Work::new(&cleaned.report, report.ratio, directed, &exemplars));
-    allow(&report.estimate, cleaned.report.faces, job.memory)?;
-    let (fine, guide) = steer(cleaned, job, &mut report)?;
+    let Guided { fine, guide, mut report } = guided(cleaned, &exemplars, job)?;
+    report.patches = patches.len();
     let mesh = fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh);
     let difficulty = difficulty(mesh, &guide);
     report.prepare_seconds = begin.elapsed().as_secs_f64();
 
-    let (lapped, seedings, statistics) = paste_with_seedings(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
-    report.warnings.extend(too_many_draws(&statistics));
-    report.paste = statistics;
-    Ok(Laid { fine, lapped, seedings, guide, report })
+    let covered = cover(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
+    if let Some(draft) = draft.filter(|_| job.paste.windows) {
+        let made = covered.clone().finish(mesh, false, progress);
+        draft(Laid::new(fine.clone(), guide.clone(), report.clone(), made));
+        if progress.cancelled() {
+            return Err(PasteError::Cancelled.into());
+        }
+    }
+    let made = covered.finish(mesh, job.paste.windows, progress);
+    Ok(Laid::new(fine, guide, report, made))
+}
+
+/// What steers a job, on the mesh that its pastes are laid on.
+#[derive(Debug, Clone)]
+pub struct Guided {
+    /// The subdivision of the clean mesh that is pasted on, if any face was cut.
+    pub fine: Option<Subdivision>,
+    /// What steers.
+    pub guide: Guide,
+    /// Scale, field and estimate; nothing of pasting yet.
+    pub report: JobReport,
+}
+
+/// The part of [`lay`] that needs no patches: the scale, the field, and the faces that are cut for both.
+///
+/// # Errors
+/// If the field or scale is unusable, or the job would take more memory than it may.
+pub fn guided(cleaned: &Cleaned, exemplars: &[Exemplar], job: &PasteJob) -> Result<Guided, JobError> {
+    let mut report = JobReport { clean: cleaned.report.clone(), ..JobReport::default() };
+    (report.scale, report.ratio) = scale_of(&cleaned.mesh, job, exemplars)?;
+    let directed = !matches!(job.steer, Steer::Isotropic(_));
+    report.estimate = Estimate::new(&Work::new(&cleaned.report, report.ratio, directed, job.paste.windows, exemplars));
+    allow(&report.estimate, cleaned.report.faces, job.memory)?;
+    let (fine, guide) = steer(cleaned, job, &mut report)?;
+    Ok(Guided { fine, guide, report })
 }
 
 /// World length of one exemplar width, and the mesh's area in areas of the first exemplar.

@@ -5,6 +5,7 @@
 //! fingerprint tells when a named file has changed since. Files in the project's own folder and below are named from there,
 //! so that a folder may be moved as a whole. `docs/formats.md` describes the keys.
 
+use super::beside::Synthesis;
 use super::paste::{ExemplarInput, PasteJob, Scale, Steer};
 use crate::exemplar::symmetry::exemplar_symmetry;
 use crate::exemplar::{Exemplar, Outline, PatchOptions, PatchSource, PatchSpec};
@@ -77,6 +78,10 @@ pub struct ProjectExemplar {
 
 const fn one() -> f32 {
     1.0
+}
+
+fn is_usual(synthesis: &Synthesis) -> bool {
+    *synthesis == Synthesis::default()
 }
 
 impl ProjectExemplar {
@@ -161,6 +166,9 @@ pub struct Project {
     pub windows: bool,
     /// Seed of all random choices.
     pub seed: u64,
+    /// The synthesis that the pastes are compared with.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub synthesis: Synthesis,
     /// The camera; absent: one that shows all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub view: Option<ProjectView>,
@@ -182,6 +190,7 @@ impl Default for Project {
             keep_faces: false,
             windows: true,
             seed: 1,
+            synthesis: Synthesis::default(),
             view: None,
         }
     }
@@ -276,6 +285,13 @@ impl Project {
         }
     }
 
+    /// True if another project asks for the same pastes on the same model.
+    #[must_use]
+    pub fn pastes_as(&self, other: &Self) -> bool {
+        let pasting = |p: &Self| Self { view: None, synthesis: Synthesis::default(), ..p.clone() };
+        pasting(self) == pasting(other)
+    }
+
     /// The job that the project asks for; `first` is its first exemplar, which decides where the direction is left to it.
     #[must_use]
     pub fn job(&self, first: Option<&Exemplar>) -> PasteJob {
@@ -368,6 +384,7 @@ mod tests {
                 ..Constraints::default()
             },
             feather: Some(2.5),
+            synthesis: Synthesis { exemplar: 1, vertices: 20_000, seed: 9 },
             view: Some(ProjectView { turn: [0.1, -0.3], at: [1.0, 2.0, 1.0 / 3.0], distance: 4.0, z_up: true }),
             ..Project::default()
         }

@@ -130,7 +130,7 @@ impl Stack {
         }
         let (scale, ratio) = scale_of(&mesh, &job, &exemplars)?;
         let directed = !matches!(job.steer, super::Steer::Isotropic(_));
-        let work = Work { faces: faces.len(), ..Work::new(&cleaned.report, ratio, directed, &exemplars) };
+        let work = Work { faces: faces.len(), ..Work::new(&cleaned.report, ratio, directed, job.paste.windows, &exemplars) };
         let estimate = Estimate::new(&work);
         allow(&estimate, faces.len(), memory)?;
         let keep = PasteJob { keep_faces: true, ..job };

@@ -2,6 +2,7 @@
 
 use super::rows::Rows;
 use crate::random::Random;
+use pulp::Arch;
 use rayon::prelude::*;
 
 /// Rows that the covariance is taken of at most, evenly spread over all.
@@ -43,6 +44,7 @@ impl Pca {
     }
 
     /// A row's components.
+    #[inline(always)]
     pub fn project(&self, row: &[f32], out: &mut [f32]) {
         out.fill(0.0);
         let out = &mut out[..self.kept];
@@ -59,7 +61,7 @@ impl Pca {
     pub fn project_all(&self, rows: &Rows) -> Rows {
         let mut out = Rows::zeros(rows.len(), self.kept);
         let work = out.data_mut().par_chunks_exact_mut(self.kept).enumerate();
-        work.for_each(|(i, o)| self.project(rows.row(i), o));
+        work.for_each(|(i, o)| Arch::new().dispatch(|| self.project(rows.row(i), o)));
         out
     }
 }

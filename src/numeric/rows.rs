@@ -1,14 +1,21 @@
 //! Vectors of equal length as rows of one array, and the nearest of them to others, by looking at all.
 //!
 //! The nearest row has the smallest |c|^2 / 2 - q . c, so that the work is a product of matrices: candidates lie in panels of
-//! eight columns and queries are taken four at a time, which keeps all sums in registers. Rounding could swap rows that are
-//! nearly equally near; those within its bound are compared again, directly and in double precision. Of equally near rows the
-//! first counts.
+//! sixteen columns and queries are taken four at a time, which keeps all sums in registers where those hold eight numbers.
+//! Rounding could swap rows that are nearly equally near; those within its bound are compared again, directly and in double
+//! precision. Of equally near rows the first counts.
+//!
+//! The inner loops are compiled for several widths of registers, and the widest that the processor has is taken. Sums are in a
+//! fixed order, so that all of them have the same result.
+
+use pulp::Arch;
 
 /// Candidates of a panel.
-const PANEL: usize = 8;
+const PANEL: usize = 16;
 /// Queries taken at once.
 const TAKEN: usize = 4;
+/// Sums that a scalar product is taken in side by side.
+const LANES: usize = 16;
 /// Bound of the rounding of a sum of products, as a share of the squared lengths in it.
 const ROUNDING: f32 = 4e-6;
 
@@ -111,6 +118,22 @@ pub fn distance_squared(a: &[f32], b: &[f32]) -> f32 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
+/// The scalar product of two vectors.
+#[inline(always)]
+#[must_use]
+pub fn dot(a: &[f32], b: &[f32]) -> f32 {
+    let mut sums = [0.0_f32; LANES];
+    let (many_a, rest_a) = a.as_chunks::<LANES>();
+    let (many_b, rest_b) = b.as_chunks::<LANES>();
+    for (a, b) in many_a.iter().zip(many_b) {
+        for k in 0..LANES {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let rest: f32 = rest_a.iter().zip(rest_b).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f32>() + rest
+}
+
 fn exact(a: &[f32], b: &[f32]) -> f64 {
     a.iter().zip(b).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum()
 }
@@ -163,19 +186,21 @@ impl Exhaustive {
         if self.rows.is_empty() || queries.dims() != dims {
             return Vec::new();
         }
+        let arch = Arch::new();
         let mut scores = vec![[0.0_f32; PANEL]; self.panels.len() / dims * TAKEN];
         let mut out = Vec::with_capacity(queries.len());
         for first in (0..queries.len()).step_by(TAKEN) {
             // Beyond the last query its row is taken again.
             let taken = std::array::from_fn(|q| queries.row((first + q).min(queries.len() - 1)));
-            self.score(&taken, &mut scores);
+            arch.dispatch(|| self.score(&taken, &mut scores));
             for (q, query) in taken.iter().enumerate().take(queries.len() - first) {
-                out.push(self.refined(query, q, &scores));
+                out.push(arch.dispatch(|| self.refined(query, q, &scores)));
             }
         }
         out
     }
 
+    #[inline(always)]
     fn score(&self, taken: &[&[f32]; TAKEN], scores: &mut [[f32; PANEL]]) {
         let dims = self.rows.dims();
         let [q0, q1, q2, q3] = taken.map(|q| &q[..dims]);
@@ -199,6 +224,7 @@ impl Exhaustive {
         }
     }
 
+    #[inline(always)]
     fn refined(&self, query: &[f32], q: usize, scores: &[[f32; PANEL]]) -> Near {
         let own = || scores.iter().skip(q).step_by(TAKEN);
         let mut least = [f32::INFINITY; PANEL];

@@ -45,11 +45,13 @@ use frame::singular_values;
 use glam::DMat2;
 use grow::PatchPlan;
 use layout::{Layout, LayoutInput, Loop};
+use order::HardEdge;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
-use window::{WindowStatistics, choose_windows};
+use window::choose_windows;
+pub use window::{FINEST_WINDOW, WindowStatistics};
 
 /// Width of a coverage cell in texels. Cells keep the least alpha within them, so they may be coarser than texels: at 2
 /// the loop looks at a quarter of the texels and needs about 2 % more pastes.
@@ -278,15 +280,33 @@ pub fn paste(
     options: &PasteOptions,
     progress: &dyn Progress,
 ) -> Result<(LappedTexture, PasteStatistics), PasteError> {
-    let (lapped, _, statistics) = paste_with_seedings(mesh, guide, exemplars, patches, difficulty, options, progress)?;
+    let covered = cover(mesh, guide, exemplars, patches, difficulty, options, progress)?;
+    let (lapped, _, statistics) = covered.finish(mesh, options.windows, progress);
     Ok((lapped, statistics))
 }
 
-/// [`paste`], and where each paste of the result began, so that its growth can be looked at ([`watch`]).
+/// A mesh that is covered: the pastes in paint order, each whole and as its patch was cut. [`finish`](Self::finish) makes the result
+/// of them; that is quick without windows, which can be chosen later from the same.
+#[derive(Debug, Clone)]
+pub struct Covered {
+    lapped: LappedTexture,
+    seedings: Vec<Seeding>,
+    edges: Vec<Vec<HardEdge>>,
+    masks: Arc<[CoverageMask]>,
+    /// Width of a coverage cell by face, world units.
+    pitch: Vec<f32>,
+    /// Mean scale.
+    scale: f64,
+    seed: u64,
+    cull: bool,
+    statistics: PasteStatistics,
+}
+
+/// The first part of [`paste`]: lays pastes until nothing shows through, and sorts them. `options.windows` is not looked at.
 ///
 /// # Errors
 /// As [`paste`].
-pub fn paste_with_seedings(
+pub fn cover(
     mesh: &Mesh,
     guide: &Guide,
     exemplars: Vec<Exemplar>,
@@ -294,7 +314,7 @@ pub fn paste_with_seedings(
     difficulty: &[f32],
     options: &PasteOptions,
     progress: &dyn Progress,
-) -> Result<(LappedTexture, Vec<Seeding>, PasteStatistics), PasteError> {
+) -> Result<Covered, PasteError> {
     let begin = Instant::now();
     check(mesh, guide, &patches, options)?;
     let width = |p: &TexturePatch| exemplars[p.exemplar as usize].size()[0];
@@ -354,37 +374,50 @@ pub fn paste_with_seedings(
         edges = permute(edges, &order);
         seedings = permute(seedings, &order);
     }
-    let mut lapped = LappedTexture { exemplars, patches, pastes, layers: Vec::new() };
-    // Before culling: what lies hidden below tells how the texture goes on.
-    if options.windows {
-        progress.stage("choosing windows", 0);
-        statistics.windows = choose_windows(mesh.face_count(), &mut lapped, options.seed);
-    }
-    let left = order::cull(mesh, &mut lapped, &masks, &|f| f64::from(pitch[f as usize]), options.cull);
-    edges = permute(edges, &left);
-    seedings = permute(seedings, &left);
-    let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
-    statistics.visible_hard_edge_length = order::visible_length(&lapped, &lists, &edges);
-    statistics.hard_edge_length = edges.iter().flatten().map(|e| f64::from(e.weight)).sum();
-    statistics.seconds.order_and_cull = start.elapsed().as_secs_f64();
-
-    let area = mesh.total_area();
-    let scale = mean_scale(mesh, guide);
-    statistics.pastes = lapped.pastes.len();
-    (statistics.draws_per_face, statistics.draws_per_area) = draws(mesh, &lapped.pastes);
     statistics.grown_faces = totals.grown_faces;
     statistics.iterations_per_fit = totals.iterations as f64 / (statistics.pastes_laid as f64 + totals.regrowths as f64);
     statistics.regrowths_per_paste = totals.regrowths as f64 / statistics.pastes_laid as f64;
     statistics.forced_seeds = totals.forced;
     statistics.coverage_samples = totals.samples;
     statistics.pastes_with_hard_edges = totals.pastes_with_hard_edges;
-    statistics.visible_hard_edges_per_exemplar = statistics.visible_hard_edge_length / scale / (area / (scale * scale));
     statistics.stops = totals.stops;
     statistics.deviation = totals.spread.summary();
     statistics.seconds.lay = totals.lay_seconds;
     statistics.seconds.cover = totals.cover_seconds;
+    statistics.seconds.order_and_cull = start.elapsed().as_secs_f64();
     statistics.seconds.total = begin.elapsed().as_secs_f64();
-    Ok((lapped, seedings, statistics))
+    let lapped = LappedTexture { exemplars, patches, pastes, layers: Vec::new() };
+    let (scale, seed, cull) = (mean_scale(mesh, guide), options.seed, options.cull);
+    Ok(Covered { lapped, seedings, edges, masks, pitch, scale, seed, cull, statistics })
+}
+
+impl Covered {
+    /// The second part of [`paste`], on the same mesh: chooses windows if asked to, and leaves out what nobody sees. With the result
+    /// comes where each of its pastes began, so that its growth can be looked at ([`watch`]).
+    #[must_use]
+    pub fn finish(self, mesh: &Mesh, windows: bool, progress: &dyn Progress) -> (LappedTexture, Vec<Seeding>, PasteStatistics) {
+        let begin = Instant::now();
+        let Self { mut lapped, mut seedings, mut edges, masks, pitch, scale, seed, cull, mut statistics } = self;
+        // Before culling: what lies hidden below tells how the texture goes on.
+        if windows {
+            progress.stage("choosing windows", 0);
+            statistics.windows = choose_windows(mesh.face_count(), &mut lapped, seed);
+        }
+        let left = order::cull(mesh, &mut lapped, &masks, &|f| f64::from(pitch[f as usize]), cull);
+        edges = permute(edges, &left);
+        seedings = permute(seedings, &left);
+        let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
+        statistics.visible_hard_edge_length = order::visible_length(&lapped, &lists, &edges);
+        statistics.hard_edge_length = edges.iter().flatten().map(|e| f64::from(e.weight)).sum();
+        let squares = mesh.total_area() / (scale * scale);
+        statistics.visible_hard_edges_per_exemplar = statistics.visible_hard_edge_length / scale / squares;
+        statistics.pastes = lapped.pastes.len();
+        (statistics.draws_per_face, statistics.draws_per_area) = draws(mesh, &lapped.pastes);
+        let seconds = begin.elapsed().as_secs_f64();
+        statistics.seconds.order_and_cull += seconds;
+        statistics.seconds.total += seconds;
+        (lapped, seedings, statistics)
+    }
 }
 
 fn permute<T>(items: Vec<T>, order: &[u32]) -> Vec<T> {

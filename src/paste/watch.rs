@@ -179,7 +179,7 @@ mod tests {
     use crate::field::{isotropic, up};
     use crate::mesh::disc::check_disc;
     use crate::mesh::shapes;
-    use crate::paste::{Composite, paste_with_seedings};
+    use crate::paste::{Composite, cover};
     use crate::progress::Silent;
     use crate::surface::SurfaceTexture;
     use glam::{DVec3, Vec3};
@@ -189,8 +189,9 @@ mod tests {
         let exemplar = Exemplar::new("checks", Image::from_fn(48, 48, |x, y| Vec3::splat(((x / 6 + y / 6) % 2) as f32)));
         let spec = PatchSpec { source: PatchSource::Splotch, weight: 1.0 };
         let (patches, _) = make_patches(&exemplar, 0, &[spec], &PatchOptions::default()).expect("patches");
-        let (lapped, seedings, _) =
-            paste_with_seedings(mesh, guide, vec![exemplar], patches, &[], &PasteOptions::default(), &Silent).expect("a paste");
+        let (lapped, seedings, _) = cover(mesh, guide, vec![exemplar], patches, &[], &PasteOptions::default(), &Silent)
+            .expect("a paste")
+            .finish(mesh, true, &Silent);
         (lapped, seedings)
     }
 

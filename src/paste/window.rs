@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 /// Longest side of the finest level that is matched; a finer one moves a window by less than a feather.
-const FINEST: u32 = 512;
+pub const FINEST_WINDOW: u32 = 512;
 /// Longest side of the level on which every window is tried.
 const COARSEST: usize = 32;
 /// Windows that are followed from each level to the next finer one.
@@ -114,7 +114,7 @@ impl Levels {
         let [w, h] = exemplar.size();
         let count = exemplar.channel(crate::exemplar::Channel::BaseColor).map_or(1, |c| c.levels().len());
         let side = |level: usize| (w.max(h) >> level).max(1);
-        let first = (0..count).find(|&l| side(l) <= FINEST).unwrap_or(0);
+        let first = (0..count).find(|&l| side(l) <= FINEST_WINDOW).unwrap_or(0);
         let last = (first..count).find(|&l| side(l) as usize <= COARSEST).unwrap_or(count - 1).max(first);
         Self((first..=last).map(|l| Level::new(exemplar, channels, l)).collect())
     }

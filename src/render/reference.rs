@@ -154,8 +154,16 @@ impl<'a> Stage<'a> {
 
     /// The shadow on the ground; kept from picture to picture while up stays the same.
     pub(super) fn shadow(&self, up: DVec3) -> Cow<'_, GroundShadow> {
-        let kept = self.shadow.get_or_init(|| GroundShadow::new(self.mesh, up, self.options.floor));
-        if kept.up() == up { Cow::Borrowed(kept) } else { Cow::Owned(GroundShadow::new(self.mesh, up, self.options.floor)) }
+        let made = || GroundShadow::new(self.mesh, up, self.options.floor);
+        let kept = match self.shadow.get() {
+            Some(kept) => kept,
+            // Made before the lock is taken: a thread that waits for its part of the work may be given another picture of this stage.
+            None => {
+                let made = made();
+                self.shadow.get_or_init(|| made)
+            }
+        };
+        if kept.up() == up { Cow::Borrowed(kept) } else { Cow::Owned(made()) }
     }
 }
 

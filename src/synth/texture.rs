@@ -24,6 +24,8 @@ pub struct VertexTexture {
     pub frames: Vec<Frame>,
     /// Distance of two samples, world units.
     pub spacing: f64,
+    /// The place of the exemplar that each vertex shows; empty where values have no such place.
+    pub places: Vec<Place>,
     channels: Vec<(Channel, Vec<f32>)>,
     softer: OnceLock<Vec<Vec<Vec<f32>>>>,
 }
@@ -92,7 +94,7 @@ impl VertexTexture {
             });
             Some((channel, values))
         };
-        Self::new(level, exemplar.channels().iter().filter_map(of).collect())
+        Self { places: places.to_vec(), ..Self::new(level, exemplar.channels().iter().filter_map(of).collect()) }
     }
 
     /// The channels of another vertex texture at the places that were chosen.
@@ -106,7 +108,7 @@ impl VertexTexture {
             };
             (*channel, places.iter().flat_map(value).collect())
         };
-        Self::new(level, from.channels.iter().map(of).collect())
+        Self { places: places.to_vec(), ..Self::new(level, from.channels.iter().map(of).collect()) }
     }
 
     /// Values at the vertices of a level; channels whose number of values does not fit are left out.
@@ -116,7 +118,8 @@ impl VertexTexture {
         let mut channels = channels;
         channels.retain(|(c, values)| values.len() == vertices * c.components());
         channels.sort_by_key(|(c, _)| *c);
-        Self { mesh: level.mesh.clone(), frames: level.frames.clone(), spacing: level.spacing, channels, softer: OnceLock::new() }
+        let (mesh, frames) = (level.mesh.clone(), level.frames.clone());
+        Self { mesh, frames, spacing: level.spacing, places: Vec::new(), channels, softer: OnceLock::new() }
     }
 
     /// The values of a channel, vertex by vertex.
@@ -143,7 +146,8 @@ impl VertexTexture {
         mesh
     }
 
-    /// The softer copies: each vertex and its neighbours averaged, often enough to be as soft as the footprint is wide.
+    /// The softer copies: each vertex and its neighbours averaged, often enough to be as soft as the footprint is wide. By one thread
+    /// alone: whoever waits here for others might be given a pixel to draw, and come here again.
     fn softer(&self) -> &[Vec<Vec<f32>>] {
         self.softer.get_or_init(|| {
             let first = self.mesh.vertex_half_edges();
@@ -161,14 +165,7 @@ impl VertexTexture {
                     around[v].iter().for_each(|&w| sum += at(w as usize));
                     (at(v) + sum) / (1 + around[v].len()) as f32
                 };
-                (0..around.len())
-                    .into_par_iter()
-                    .with_min_len(1024)
-                    .map(one)
-                    .collect::<Vec<_>>()
-                    .iter()
-                    .flat_map(|v| v.to_array().into_iter().take(count))
-                    .collect()
+                (0..around.len()).flat_map(|v| one(v).to_array().into_iter().take(count)).collect()
             };
             let mut out: Vec<Vec<Vec<f32>>> = Vec::new();
             for level in 0..SOFTER {
@@ -249,6 +246,14 @@ impl<'a> OnMesh<'a> {
     }
 }
 
+impl OnMesh<'_> {
+    /// The point of the re-tiled mesh that a point of this one looks at.
+    #[must_use]
+    pub fn there(&self, at: SurfacePoint) -> Option<SurfacePoint> {
+        self.nearest.nearest(self.mesh.position(at)).map(|hit| hit.at)
+    }
+}
+
 impl SurfaceTexture for OnMesh<'_> {
     fn channels(&self) -> ChannelSet {
         self.texture.channels()
@@ -256,8 +261,8 @@ impl SurfaceTexture for OnMesh<'_> {
 
     fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
         let normal = self.mesh.normal(at.face);
-        match self.nearest.nearest(self.mesh.position(at)) {
-            Some(hit) => self.texture.texel_on(hit.at, footprint, normal),
+        match self.there(at) {
+            Some(there) => self.texture.texel_on(there, footprint, normal),
             None => Texel::empty(normal.as_vec3()),
         }
     }

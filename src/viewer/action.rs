@@ -13,6 +13,7 @@ pub enum Action {
     ExportPicture,
     ExportRecord,
     ExportBaked,
+    ExportSynthesis,
     Quit,
     Undo,
     Redo,
@@ -20,6 +21,7 @@ pub enum Action {
     Turntable,
     Split,
     NextMode,
+    Compare,
     Comb,
     Cut,
     Watch,
@@ -40,7 +42,7 @@ const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Action {
     /// All deeds, in the order of the help sheet.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 29] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -48,12 +50,14 @@ impl Action {
         Self::ExportPicture,
         Self::ExportRecord,
         Self::ExportBaked,
+        Self::ExportSynthesis,
         Self::Undo,
         Self::Redo,
         Self::Frame,
         Self::Turntable,
         Self::Split,
         Self::NextMode,
+        Self::Compare,
         Self::Comb,
         Self::Cut,
         Self::Watch,
@@ -93,6 +97,9 @@ impl Action {
                 key(COMMAND_SHIFT, Key::E),
                 "Bake the texture into an atlas and write a GLB that any tool shows",
             ),
+            Self::ExportSynthesis => {
+                ("Export synthesis...", None, "Write the synthesised mesh that is shown, a colour at each vertex, as GLB or PLY")
+            }
             Self::Quit => ("Quit", key(COMMAND, Key::Q), "Close the window"),
             Self::Undo => ("Undo", key(COMMAND, Key::Z), "Take the last change back"),
             Self::Redo => ("Redo", key(COMMAND_SHIFT, Key::Z), "Make the change again"),
@@ -100,6 +107,11 @@ impl Action {
             Self::Turntable => ("Turntable", key(NONE, Key::T), "Let the model go around"),
             Self::Split => ("Split view", key(NONE, Key::V), "Compare two modes; drag the line between them"),
             Self::NextMode => ("Next mode", key(NONE, Key::M), "Show the next mode in the left pane"),
+            Self::Compare => (
+                "Compare with synthesis",
+                key(NONE, Key::Y),
+                "Show the pasted texture and, beside it, the exemplar synthesised over the same model",
+            ),
             Self::Comb => ("Comb", key(NONE, Key::C), "Drag over the model to set which way the texture lies"),
             Self::Cut => ("Cut patches", key(NONE, Key::X), "Draw outlines of texture patches on the exemplar"),
             Self::Watch => ("Watch", key(NONE, Key::O), "See pastes laid one by one, and how one of them grows"),

@@ -1,8 +1,8 @@
 //! All of the viewer but its window.
 
 use super::action::Action;
-use super::build::{BuildError, Kitchen, Shown, build};
-use super::cut::room::{CutRoom, Wanted};
+use super::build::{BuildError, Kitchen, Shown};
+use super::cut::room::CutRoom;
 use super::deeds::{Done, Still};
 use super::document::Document;
 use super::gallery::Thumbnails;
@@ -13,22 +13,17 @@ use super::lines::Lines;
 use super::mode::Mode;
 use super::panels;
 use super::side::Side;
-use super::steer::room::{SteerRoom, put};
+use super::steer::room::SteerRoom;
+use super::synth::SynthRoom;
 use super::trace::Trace;
-use super::viewport::{Given, Viewport};
+use super::viewport::Viewport;
 use super::watch::room::WatchRoom;
 use super::worker::Lane;
 use crate::job::Project;
-use crate::mesh::Mesh;
 use egui::{Context, Ui};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Seconds that unsaved work may be old before it is kept.
-const KEEP_AFTER: f64 = 2.0;
-/// Seconds at rest after which the reference renderer is asked.
-const REST: f64 = 0.15;
 
 /// Something the user is told.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -98,17 +93,20 @@ pub struct App {
     pub(super) saves: Lane<Done>,
     pub(super) exports: Lane<Done>,
     pub(super) dialogs: Lane<Done>,
-    builds: Lane<Result<Option<Box<Shown>>, BuildError>>,
-    kitchen: Arc<Kitchen>,
-    /// The revision that was asked for last.
-    asked: u64,
+    /// Syntheses beside the pastes.
+    pub synth: SynthRoom,
+    pub(super) builds: Lane<Result<Option<Box<Shown>>, BuildError>>,
+    pub(super) kitchen: Arc<Kitchen>,
+    /// The revision that was asked for last, and what was built for it.
+    pub(super) asked: u64,
+    pub(super) building: Option<Project>,
     /// The model whose frame was taken last, so that another one is framed anew.
-    framed: Option<crate::job::Link>,
+    pub(super) framed: Option<crate::job::Link>,
     /// The revision that is kept against crashes, and when that was.
-    kept: (u64, f64),
+    pub(super) kept: (u64, f64),
     /// Seconds that the work before this took.
     pub(super) last_job: Option<(&'static str, f64)>,
-    trace: Trace,
+    pub(super) trace: Trace,
     over: bool,
     /// What is done once the project is saved.
     pub(super) after_save: Option<Loss>,
@@ -156,6 +154,7 @@ impl App {
             shown: None,
             thumbnails: Thumbnails::new(wake()),
             side: Side::new(wake()),
+            synth: SynthRoom::new(wake()),
             still: Still::new(wake()),
             opens: Lane::new("lapped opening", wake()),
             saves: Lane::new("lapped saving", wake()),
@@ -164,6 +163,7 @@ impl App {
             builds: Lane::new("lapped pasting", wake()),
             kitchen: Arc::default(),
             asked: 0,
+            building: None,
             framed: None,
             kept: (0, 0.0),
             last_job: None,
@@ -185,15 +185,6 @@ impl App {
     #[must_use]
     pub fn shown(&self) -> Option<&Shown> {
         self.shown.as_deref()
-    }
-
-    /// True once all that was asked for is shown, and no work goes on.
-    #[must_use]
-    pub fn is_idle(&self) -> bool {
-        let built = self.asked == self.document.revision() && self.builds.meter().is_none();
-        let files = [&self.opens, &self.saves, &self.exports].into_iter().all(|lane| lane.meter().is_none());
-        let watched = self.watch.as_ref().is_none_or(WatchRoom::is_idle);
-        built && files && watched && self.side.is_idle() && self.thumbnails.is_idle()
     }
 
     /// True once the window is to be closed.
@@ -218,7 +209,7 @@ impl App {
         self.add(Notice { text: text.into(), error, passing: false });
     }
 
-    fn add(&mut self, notice: Notice) {
+    pub(super) fn add(&mut self, notice: Notice) {
         if !self.notices.contains(&notice) {
             self.notices.push(notice);
         }
@@ -274,6 +265,7 @@ impl App {
     pub fn close(&mut self) {
         self.builds.cancel();
         self.exports.cancel();
+        self.synth.cancel();
         self.home.let_go();
         self.home.remember(&self.settings);
     }
@@ -285,7 +277,9 @@ impl App {
             Action::Open => self.ask_what_to_open(),
             Action::Save => self.save(),
             Action::SaveAs => self.ask_where_to_save(),
-            Action::ExportPicture | Action::ExportRecord | Action::ExportBaked => self.ask_where_to_export(action),
+            Action::ExportPicture | Action::ExportRecord | Action::ExportBaked | Action::ExportSynthesis => {
+                self.ask_where_to_export(action);
+            }
             Action::Quit => self.ask_to_quit(),
             Action::Undo if self.cut.as_mut().is_some_and(CutRoom::back) => {}
             Action::Undo => self.step(Document::undo),
@@ -301,6 +295,7 @@ impl App {
                 let place = Mode::ALL.iter().position(|m| *m == self.viewport.modes[0]).unwrap_or(0);
                 self.viewport.modes[0] = Mode::ALL[(place + 1) % Mode::ALL.len()];
             }
+            Action::Compare => self.viewport.compare(),
             Action::Comb => {
                 self.steer.on = !self.steer.on;
                 self.watch = None;
@@ -314,7 +309,8 @@ impl App {
             Action::Reload => {
                 self.library.forget();
                 self.kitchen = Arc::default();
-                self.asked = 0;
+                (self.asked, self.building) = (0, None);
+                self.synth.forget();
             }
             Action::Stop => self.stop(),
             Action::Theme => {
@@ -344,274 +340,49 @@ impl App {
         let combing = self.shown.clone().is_some_and(|shown| self.steer.escape(&shown));
         if !cutting && !combing {
             self.builds.cancel();
+            self.building = None;
             self.opens.cancel();
             self.exports.cancel();
             self.side.cancel();
+            self.synth.cancel();
         }
-    }
-
-    /// What goes on, if anything does: what it is, its stage, and the share that is done if that is known.
-    #[must_use]
-    pub fn work(&self) -> Option<(&'static str, String, Option<f32>)> {
-        let meters = [
-            ("Opening", self.opens.meter()),
-            ("Pasting", self.builds.meter()),
-            ("Exporting", self.exports.meter()),
-            ("Preparing", self.side.meter()),
-        ];
-        let (name, meter) = meters.into_iter().find_map(|(name, meter)| meter.map(|m| (name, m)))?;
-        let (stage, share) = meter.state();
-        Some((name, stage, share))
     }
 
     /// One frame of the interface.
     pub fn ui(&mut self, ui: &mut Ui) {
-        self.take_results(ui.ctx());
+        self.timed("results", |app| app.take_results(ui.ctx()));
         let typing = ui.ctx().text_edit_focused();
+        let mut pressed = Vec::new();
         if self.question.is_none() {
-            while let Some(action) = ui.input_mut(|input| Action::pressed(input, typing)) {
-                self.act(action, &ui.ctx().clone());
-            }
+            pressed.extend(std::iter::from_fn(|| ui.input_mut(|input| Action::pressed(input, typing))));
         }
         self.take_drops(ui.ctx());
-        self.follow(ui);
-        panels::show(self, ui);
+        self.timed("rooms", |app| app.follow(ui));
+        self.timed("panels", |app| panels::show(app, ui));
         if !ui.input(|i| i.pointer.any_down()) && !typing {
             self.document.end_gesture();
         }
-        self.ask_for_work(ui);
+        // After what the mouse did: in a slow frame a slider is let go and undone at once.
+        for action in pressed {
+            self.act(action, &ui.ctx().clone());
+            ui.ctx().request_repaint();
+        }
+        self.timed("asking", |app| app.ask_for_work(ui));
     }
 
-    /// The three-dimensional view, in all the room there is.
-    pub(super) fn view(&mut self, ui: &mut Ui) {
-        let shown = self.shown.clone();
-        self.viewport.set_room(ui.max_rect(), ui.pixels_per_point());
-        let mesh = shown.as_deref().map(Shown::mesh);
-        let bounds = mesh.map(Mesh::bounds).map(|(low, high)| [low.as_dvec3(), high.as_dvec3()]);
-        if let Some(shown) = &shown
-            && self.framed.as_ref() != Some(&shown.open.link)
-        {
-            self.framed = Some(shown.open.link.clone());
-            match &shown.project.view {
-                Some(view) => self.viewport.orbit = super::orbit::Orbit::restored(view),
-                None => self.viewport.frame(shown.mesh()),
-            }
-        }
-        let pointed = shown.as_ref().map(|shown| self.steer.point(ui, &self.viewport, shown)).unwrap_or_default();
-        if let Some(edit) = &pointed.edit {
-            self.edit(edit.what, |project| put(project, edit));
-        }
-        let watched = self.watch.as_ref().and_then(WatchRoom::subject);
-        let (side, still, which) = (&self.side, &self.still, self.lines);
-        let wanted = Still::wanted(&self.viewport, ui.visuals().dark_mode, shown.as_deref());
-        let given = |mode: Mode| {
-            let (own, number) = shown.as_ref().map_or((None, 0), |s| (Some(&s.subject), s.number()));
-            let still = (mode == Mode::Reference).then(|| still.picture(wanted.as_ref())).flatten();
-            // Numbers of partial subjects must not be those of revisions.
-            if let Some((subject, number)) = watched.filter(|_| matches!(mode, Mode::Single | Mode::Layered)) {
-                return Given { subject: Some(subject), lines: None, still: None, number: u64::MAX - number };
-            }
-            let (subject, number) = if mode.is_made() { side.subject(mode) } else { (own, number) };
-            let lines = shown.as_ref().and_then(|s| side.lines(s.number(), which));
-            Given { subject, lines, still, number }
-        };
-        let seen = self.viewport.show(ui, &self.graphics, bounds, pointed.held, given);
-        if let Some(error) = seen.error {
-            self.tell(error.to_string(), true);
-        }
-        if let Some(shown) = &shown {
-            self.steer.paint(ui, &self.viewport, shown);
-            self.watch_view(ui, shown, &seen.response);
-        }
-    }
-
-    /// What watching does with the view.
-    fn watch_view(&mut self, ui: &Ui, shown: &Shown, view: &egui::Response) {
-        let Some(watch) = &mut self.watch else { return };
-        if let Some(at) = view.interact_pointer_pos().filter(|_| view.clicked()) {
-            watch.click(self.steer.pick(shown, &self.viewport, at));
-        }
-        watch.paint(ui, &self.viewport);
-    }
-
-    /// The panel of watching.
-    pub(super) fn watching(&mut self, ui: &mut Ui) {
-        if let Some(watch) = &mut self.watch {
-            watch.show(ui);
-        }
-    }
-
-    /// The comb's panel.
-    pub(super) fn combing(&mut self, ui: &mut Ui) {
-        let shown = self.shown.clone().filter(|shown| self.steer.ready(shown));
-        let edit = match &shown {
-            Some(shown) => self.steer.with(shown, |combing, ground| super::steer::panel::show(ui, combing, Some(ground))).flatten(),
-            None => super::steer::panel::show(ui, &mut self.steer.combing, None),
-        };
-        if let Some(edit) = edit {
-            self.edit(edit.what, |project| put(project, &edit));
-        }
-    }
-
-    /// The editor of outlines, in all the room there is.
-    pub(super) fn cutting(&mut self, ui: &mut Ui) {
-        let Some(mut room) = self.cut.take() else { return };
-        let project = self.document.project();
-        let Some(exemplar) = project.exemplars.get(room.index).filter(|e| room.is_of(&e.link)) else { return };
-        room.follow(&exemplar.shapes);
-        let (index, feather) = (room.index, project.feather);
-        match room.show(ui, feather) {
-            Some(Wanted::Close) => return,
-            Some(Wanted::Shapes(shapes)) => {
-                self.edit("outline", |p| p.exemplars[index].shapes = shapes);
-                self.document.end_gesture();
-            }
-            None => {}
-        }
-        self.cut = Some(room);
-    }
-
-    fn toggle_cutting(&mut self, context: &Context) {
-        if self.cut.take().is_some() {
-            return;
-        }
-        let first = self.document.project().exemplars.first().cloned();
-        let read = first.as_ref().and_then(|e| self.library.known(&e.link));
-        match (first, read) {
-            (Some(exemplar), Some(read)) => {
-                self.cut = Some(CutRoom::new(0, &exemplar, read, waker(context)));
-            }
-            _ => self.tell("there is no exemplar to cut patches from yet: choose one first", false),
-        }
-    }
-
-    fn toggle_watching(&mut self, context: &Context) {
-        if self.watch.take().is_some() {
-            return;
-        }
-        self.steer.on = false;
-        self.watch = self.shown.clone().and_then(|shown| WatchRoom::new(shown, waker(context)));
-        if self.watch.is_none() {
-            self.tell("there are no pastes to watch yet: choose a model and an exemplar first", false);
-        }
-    }
-
-    /// Keeps the rooms at what is shown.
-    fn follow(&mut self, ui: &Ui) {
-        let Some(shown) = self.shown.clone() else {
-            self.watch = None;
-            return;
-        };
-        if let Err(trouble) = self.steer.follow(&shown, self.document.project()) {
-            self.tell(trouble, true);
-        }
-        if self.watch.as_ref().is_some_and(|watch| !watch.is_of(&shown)) {
-            self.watch = WatchRoom::new(Arc::clone(&shown), waker(ui.ctx()));
-        }
-        if let Some(watch) = &mut self.watch {
-            watch.follow(ui, &self.graphics.renderer);
-        }
-    }
-
-    /// Takes in what jobs have brought forth.
-    fn take_results(&mut self, context: &Context) {
-        for result in self.builds.take() {
-            match result {
-                Ok(Some(shown)) => {
-                    self.trace.shown(shown.revision, shown.mesh().face_count());
-                    self.notices.retain(|notice| !notice.passing);
-                    for text in shown.told.clone() {
-                        self.add(Notice { text, error: false, passing: true });
-                    }
-                    self.last_job = Some(("Pasted", shown.seconds));
-                    let before = self.shown.replace(Arc::from(shown));
-                    // Letting go of a large mesh takes longer than a frame.
-                    rayon::spawn(move || drop(before));
-                }
-                Ok(None) => self.shown = None,
-                Err(error) if error.is_cancelled() => {}
-                Err(error) => self.add(Notice { text: error.to_string(), error: true, passing: true }),
-            }
-        }
-        let lanes = [&self.opens, &self.saves, &self.exports, &self.dialogs];
-        let done: Vec<Done> = lanes.into_iter().flat_map(Lane::take).collect();
-        done.into_iter().for_each(|done| self.take_done(done));
-        self.thumbnails.take(context);
-        for error in self.side.take() {
-            self.tell(error.to_string(), true);
-        }
-        self.still.take(context);
-    }
-
-    /// Asks for whatever is out of date.
-    fn ask_for_work(&mut self, ui: &Ui) {
-        let revision = self.document.revision();
-        if revision != self.asked {
-            self.asked = revision;
-            let project = self.document.project().clone();
-            let (kitchen, library) = (Arc::clone(&self.kitchen), Arc::clone(&self.library));
-            let renderer = Arc::clone(&self.graphics.renderer);
-            self.builds.submit(move |meter, deliver| {
-                let make =
-                    |draft| build(&project, revision, draft, &kitchen, &library, &renderer, &**meter).map(|s| s.map(Box::new));
-                if project.windows && !project.exemplars.is_empty() {
-                    let draft = make(true);
-                    let failed = draft.is_err();
-                    deliver(draft);
-                    if failed {
-                        return;
-                    }
-                }
-                deliver(make(false));
-            });
-        }
-        let now = ui.input(|i| i.time);
-        if let Some(shown) = &self.shown {
-            let modes: Vec<Mode> = self.viewport.seen_modes().collect();
-            self.side.ask(&modes, shown, &self.graphics);
-            self.side.ask_lines(self.lines, self.viewport.height(), self.viewport.orbit.at, shown, &self.graphics);
-            if modes.contains(&Mode::Reference) {
-                if self.viewport.at_rest(now) < REST {
-                    ui.ctx().request_repaint_after_secs(REST as f32);
-                } else if let Some(wanted) = Still::wanted(&self.viewport, ui.visuals().dark_mode, Some(shown)) {
-                    self.still.ask(wanted, shown);
-                }
-            }
-        }
-        if self.work().is_some() {
-            // The status bar follows the work.
-            ui.ctx().request_repaint_after_secs(0.1);
-        }
-        self.keep_unsaved(ui, now);
-    }
-
-    /// Keeps unsaved work against crashes, now and then.
-    fn keep_unsaved(&mut self, ui: &Ui, now: f64) {
-        let revision = self.document.revision();
-        if revision == self.kept.0 {
-            return;
-        }
-        if !self.document.unsaved() {
-            self.kept = (revision, now);
-            self.home.let_go();
-        } else if now - self.kept.1 >= KEEP_AFTER {
-            self.kept = (revision, now);
-            self.keep_now();
-        } else {
-            ui.ctx().request_repaint_after_secs(KEEP_AFTER as f32);
-        }
+    /// Does a part of a frame and tells the trace how long it took.
+    pub(super) fn timed<T>(&mut self, part: &'static str, deed: impl FnOnce(&mut Self) -> T) -> T {
+        let begin = Instant::now();
+        let done = deed(self);
+        self.trace.part(part, begin.elapsed());
+        done
     }
 
     /// How long the interface works is told to the trace by whoever drives it; tests do so by this.
     pub fn timed_ui(&mut self, ui: &mut Ui) {
         let begin = Instant::now();
+        self.trace.begin_frame();
         self.ui(ui);
         self.trace.frame(begin.elapsed());
     }
-}
-
-/// Asks for a frame.
-fn waker(context: &Context) -> impl Fn() + Clone + Send + Sync + 'static {
-    let context = context.clone();
-    move || context.request_repaint()
 }

@@ -8,11 +8,11 @@ use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::{Guide, TangentField};
 use crate::format::{FormatError, Record};
 use crate::job::project::{Direction, ProjectExemplar};
-use crate::job::{JobError, JobReport, Laid, Project, Steer, cut_patches, lay};
+use crate::job::{JobError, JobReport, Laid, Project, Steer, cut_patches, lay_with_draft};
 use crate::mesh::Mesh;
 use crate::paste::{LappedTexture, PasteError};
 use crate::progress::Progress;
-use crate::render::gpu::{GpuError, PatchTextures, Renderer, Subject};
+use crate::render::gpu::{Canvas, GpuError, PatchTextures, Path, Renderer, Subject};
 use crate::render::normals::{corner_normals, crease_angle};
 use crate::render::{DrawOptions, Stage};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -178,54 +178,62 @@ impl Kitchen {
     }
 }
 
-/// Builds what is to be shown of a project that has a model. A draft leaves out what takes long and changes little: it is there
-/// soon after a change.
+/// Builds what is to be shown of a project that has a model. `take_draft` gets a first answer soon after a change: the same pastes
+/// without what takes long and changes little.
 ///
 /// # Errors
 /// If anything it names cannot be read, it cannot be pasted, or does not fit the device.
 pub fn build(
     project: &Project,
     revision: u64,
-    draft: bool,
     kitchen: &Kitchen,
     library: &Library,
     renderer: &Renderer,
     progress: &dyn Progress,
+    take_draft: &dyn Fn(Shown),
 ) -> Result<Option<Shown>, BuildError> {
     let begin = Instant::now();
     let Some(link) = &project.model else { return Ok(None) };
     progress.stage("reading the model", 0);
     let open = library.model(link)?;
-    let mut told = open.model.source.notes.clone();
-    let mut textures = None;
-    let laid = if project.exemplars.is_empty() {
-        None
-    } else {
-        progress.stage("cutting texture patches", 0);
-        let cut = kitchen.cut(project, library, renderer)?;
-        let mut job = project.job(None);
-        if project.direction == Direction::Auto {
-            job.steer = cut.own_steer.get_or_init(|| project.job(cut.exemplars.first()).steer).clone();
-        }
-        job.memory = crate::job::available_memory();
-        job.paste.windows &= !draft;
-        job.paste.masks = Some(Arc::clone(&cut.masks));
-        let laid = lay(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress)?;
-        told.extend(cut.warnings.iter().chain(&laid.report.warnings).cloned());
-        textures = Some(Arc::clone(&cut.textures));
-        Some(laid)
+    let shown = |laid: Option<Laid>, cut: Option<&Cut>, draft: bool| -> Result<Shown, BuildError> {
+        progress.stage("preparing the picture", 0);
+        let mesh = laid.as_ref().map_or(&open.cleaned.mesh, |laid| laid.mesh(&open.cleaned));
+        let stage = Stage::new(mesh, &DrawOptions::default());
+        let nothing = LappedTexture::default();
+        let subject = match (&laid, cut) {
+            (Some(laid), Some(cut)) => renderer.load_with(&stage, &laid.lapped, None, Arc::clone(&cut.textures))?,
+            _ => renderer.load(&stage, open.own.as_ref().map_or(&nothing, |own| &own.0))?,
+        };
+        // Its shaders are made here, not when a pane first draws it paste by paste.
+        drop(Canvas::new(renderer, &subject, [1, 1], Path::Layered));
+        let mut told = open.model.source.notes.clone();
+        told.extend(cut.into_iter().flat_map(|cut| &cut.warnings).chain(laid.iter().flat_map(|l| &l.report.warnings)).cloned());
+        let (project, open, normals) = (project.clone(), Arc::clone(&open), stage.normals().to_vec());
+        let seconds = begin.elapsed().as_secs_f64();
+        Ok(Shown { revision, draft, project, open, laid, subject, normals, told, seconds })
     };
-    progress.stage("preparing the picture", 0);
-    let mesh = laid.as_ref().map_or(&open.cleaned.mesh, |laid| laid.mesh(&open.cleaned));
-    let stage = Stage::new(mesh, &DrawOptions::default());
-    let nothing = LappedTexture::default();
-    let subject = match (&laid, textures) {
-        (Some(laid), Some(textures)) => renderer.load_with(&stage, &laid.lapped, None, textures)?,
-        _ => renderer.load(&stage, open.own.as_ref().map_or(&nothing, |own| &own.0))?,
+    if project.exemplars.is_empty() {
+        return shown(None, None, false).map(Some);
+    }
+    progress.stage("cutting texture patches", 0);
+    let cut = kitchen.cut(project, library, renderer)?;
+    let mut job = project.job(None);
+    if project.direction == Direction::Auto {
+        job.steer = cut.own_steer.get_or_init(|| project.job(cut.exemplars.first()).steer).clone();
+    }
+    job.memory = crate::job::available_memory();
+    job.paste.masks = Some(Arc::clone(&cut.masks));
+    let mut failed = None;
+    let mut draft = |laid| match shown(Some(laid), Some(&cut), true) {
+        Ok(draft) => take_draft(draft),
+        Err(error) => failed = Some(error),
     };
-    let normals = stage.normals().to_vec();
-    let seconds = begin.elapsed().as_secs_f64();
-    Ok(Some(Shown { revision, draft, project: project.clone(), open, laid, subject, normals, told, seconds }))
+    let laid = lay_with_draft(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress, Some(&mut draft))?;
+    match failed {
+        Some(error) => Err(error),
+        None => shown(Some(laid), Some(&cut), false).map(Some),
+    }
 }
 
 /// Smooth normals at the corners of a mesh, as pictures of it have them.

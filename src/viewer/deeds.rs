@@ -8,13 +8,14 @@ use super::library::{OpenExemplar, OpenModel};
 use super::viewport::Viewport;
 use super::worker::Lane;
 use crate::atlas::AtlasError;
-use crate::format::{FormatError, write_file, write_record};
+use crate::format::{FormatError, vertices, write_file, write_record, write_vertices};
 use crate::job::bake::default_size;
 use crate::job::project::{PROJECT_EXTENSION, ProjectExemplar};
 use crate::job::{BakeJob, Bound, Link, Project, ProjectError, bake_record};
 use crate::paste::{Composite, LappedTexture};
 use crate::progress::Progress;
 use crate::render::{Background, Camera, DrawOptions, Grid, Picture, RenderError, Stage, Visibility};
+use crate::synth::VertexTexture;
 use egui::{Context, TextureHandle, TextureId, TextureOptions};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -50,6 +51,9 @@ pub enum DeedError {
     /// There is nothing to write.
     #[error("there is no {0} to export yet: open a model and choose an exemplar first")]
     Nothing(&'static str),
+    /// No synthesis is shown, or it is not whole.
+    #[error("there is no synthesis to export yet: show Wei-Levoy or Chen-Dong and let it come to its end")]
+    NoSynthesis,
 }
 
 /// A deed that is done.
@@ -181,14 +185,16 @@ impl App {
         let Some(shown) = self.shown.clone() else {
             return self.tell(DeedError::Nothing("model").to_string(), true);
         };
-        if shown.draft {
+        if shown.draft && what != Action::ExportSynthesis {
             return self.tell("what is shown is a draft, its borders are being matched: export once that is done".to_owned(), true);
         }
         let camera = self.viewport.orbit.camera();
         let options = DrawOptions { occlusion: true, ..self.viewport.options(dark) };
         let pixels = self.viewport.pixels();
+        let synthesis = self.synthesized();
         self.exports.submit(move |meter, deliver| {
             let written = match what {
+                Action::ExportSynthesis => write_synthesis(&shown, synthesis.as_deref(), &path, &**meter),
                 Action::ExportPicture => write_picture(&shown, &camera, pixels, &options, &path, &**meter),
                 Action::ExportRecord => write_pastes(&shown, &path, None, &**meter),
                 _ => write_pastes(&shown, &path, Some(()), &**meter),
@@ -214,8 +220,16 @@ impl App {
         if self.shown.is_none() {
             return self.tell(DeedError::Nothing("model").to_string(), true);
         }
-        let ending = if what == Action::ExportPicture { "png" } else { "glb" };
-        let dialog = rfd::FileDialog::new().set_title(what.name()).add_filter(ending, &[ending]);
+        if what == Action::ExportSynthesis && self.synthesized().is_none() {
+            return self.tell(DeedError::NoSynthesis.to_string(), true);
+        }
+        let endings: &[&str] = match what {
+            Action::ExportPicture => &["png"],
+            Action::ExportSynthesis => &["glb", "ply"],
+            _ => &["glb"],
+        };
+        let (ending, dialog) = (endings[0], rfd::FileDialog::new().set_title(what.name()));
+        let dialog = endings.iter().fold(dialog, |dialog, ending| dialog.add_filter(*ending, &[ending]));
         let name = format!("{}.{ending}", self.document.title());
         let dialog = dialog.set_file_name(&name);
         self.ask(Purpose::Export(what), name, move || dialog.save_file().map(|path| vec![path]));
@@ -292,6 +306,16 @@ impl App {
         }
     }
 
+    /// The synthesis that is shown, if one is and it is whole; of two the right one.
+    #[must_use]
+    pub fn synthesized(&self) -> Option<Arc<VertexTexture>> {
+        self.viewport
+            .seen_modes()
+            .filter_map(super::Mode::method)
+            .filter_map(|method| self.synth.texture(method, self.shown()?))
+            .last()
+    }
+
     /// The small picture of an exemplar that was read.
     pub(super) fn picture_of(&mut self, context: &Context, link: &Link) -> Option<TextureId> {
         if self.thumbnails.of(link).is_none()
@@ -339,6 +363,13 @@ fn write_pastes(shown: &Shown, path: &Path, bake: Option<()>, progress: &dyn Pro
     }
     progress.stage("writing", 0);
     Ok(write_record(path, &record)?)
+}
+
+fn write_synthesis(shown: &Shown, texture: Option<&VertexTexture>, path: &Path, progress: &dyn Progress) -> Result<(), DeedError> {
+    let texture = texture.ok_or(DeedError::NoSynthesis)?;
+    let kind = vertices::Kind::of(path)?;
+    progress.stage("writing", 0);
+    Ok(write_vertices(path, kind, &shown.open.model.name, &texture.mesh, texture)?)
 }
 
 /// What a picture at rest is of.

@@ -38,7 +38,7 @@ impl Thumbnails {
     /// True if none is being drawn.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.begun && self.lane.meter().is_none()
+        self.begun && self.lane.is_idle()
     }
 
     /// Takes in what was drawn; begins with the built-in ones the first time.

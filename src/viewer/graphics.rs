@@ -1,10 +1,13 @@
 //! The graphics device as the window and its panes share it.
 
-use crate::render::gpu::Filter;
-use crate::render::gpu::{Canvas, Gpu, GpuError, Path, Renderer, RendererOptions, Screen, Subject, wgpu};
-use crate::render::{Background, Camera, DrawOptions, Grid};
+use crate::mesh::Mesh;
+use crate::paste::LappedTexture;
+use crate::render::gpu::{Canvas, Filter, Gpu, GpuError, Path, Renderer, RendererOptions, Screen, Subject, wgpu};
+use crate::render::{Background, Camera, DrawOptions, Grid, Stage, View};
 use egui::mutex::RwLock;
+use glam::Vec3;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use wgpu::{Extent3d, TextureFormat, TextureUsages};
 
 /// What pictures in the user interface are stored as: encoded light, as the interface itself is drawn.
@@ -36,6 +39,31 @@ impl Graphics {
         let options = RendererOptions { filter: Filter::Anisotropic, ..RendererOptions::default() };
         Ok(Self { renderer: Arc::new(Renderer::new(gpu, options)?), painter })
     }
+
+    /// What all panes draw by, warm: software adapters translate shaders when they first draw with them, which takes seconds, so a few
+    /// pixels are drawn here.
+    ///
+    /// # Errors
+    /// If the device cannot draw onto the format of pictures.
+    pub fn screen(&self) -> Result<Screen, GpuError> {
+        let (renderer, gpu) = (&self.renderer, self.renderer.gpu());
+        let mut screen = Screen::new(renderer, FORMAT, SAMPLES)?;
+        let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+        // Three points make a mesh.
+        let Ok(mesh) = Mesh::new(corners, vec![[0, 1, 2]]) else { return Ok(screen) };
+        let options = DrawOptions::default();
+        let subject = renderer.load(&Stage::new(&mesh, &options), &LappedTexture::default())?;
+        let camera = View::default().frame(&mesh, 1.0);
+        let size = [4, 4];
+        let seen = renderer.see(&subject, &camera, size, &options, None);
+        let target = gpu.device.create_texture(&pane_texture(size));
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        screen.draw(&mut encoder, &view, size, wgpu::Color::BLACK, &[(&subject, &seen)])?;
+        gpu.queue.submit([encoder.finish()]);
+        gpu.check()?;
+        Ok(screen)
+    }
 }
 
 /// What one pane is to show.
@@ -57,7 +85,6 @@ pub struct Look<'a> {
 #[derive(Default)]
 pub struct Pane {
     target: Option<Target>,
-    screen: Option<Screen>,
     canvas: Option<([u32; 2], Canvas)>,
 }
 
@@ -87,23 +114,25 @@ impl Pane {
         self.target.as_ref().map(|t| t.id)
     }
 
-    /// Makes ready what takes longer than a frame. What cannot be made is told when it is drawn with.
-    pub fn prepare(&mut self, graphics: &Graphics) {
-        self.screen = Screen::new(&graphics.renderer, FORMAT, SAMPLES).ok();
-    }
-
     /// Forgets the canvas of the layered way, which belongs to one subject.
     pub fn forget(&mut self) {
         self.canvas = None;
     }
 
-    /// Draws a look of `size` pixels. Of no size nothing is drawn.
+    /// Draws a look of `size` pixels, by `screen` unless paste by paste. Of no size nothing is drawn. How long the device took to take
+    /// the commands in: drawing itself, where it is software.
     ///
     /// # Errors
     /// If it is beyond the device's limits, or the device fails.
-    pub fn draw(&mut self, graphics: &Graphics, size: [u32; 2], look: &Look<'_>) -> Result<(), GpuError> {
+    pub fn draw(
+        &mut self,
+        graphics: &Graphics,
+        screen: &mut Screen,
+        size: [u32; 2],
+        look: &Look<'_>,
+    ) -> Result<Duration, GpuError> {
         if size.contains(&0) {
-            return Ok(());
+            return Ok(Duration::ZERO);
         }
         let renderer = &graphics.renderer;
         let gpu = renderer.gpu();
@@ -111,7 +140,7 @@ impl Pane {
         if self.target.as_ref().is_none_or(|t| t.size != size) {
             self.target = Some(Target::new(graphics, size));
         }
-        let Some(target) = &self.target else { return Ok(()) };
+        let Some(target) = &self.target else { return Ok(Duration::ZERO) };
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         match (look.path, look.subjects) {
             // With lines in the same depth the other way shows the same.
@@ -125,18 +154,16 @@ impl Pane {
                 self.canvas = Some((size, canvas));
             }
             _ => {
-                let screen = match &mut self.screen {
-                    Some(screen) => screen,
-                    none => none.insert(Screen::new(renderer, FORMAT, SAMPLES)?),
-                };
                 let see = |subject: &&Subject| renderer.see(subject, look.camera, size, look.options, Some(look.depth));
                 let seen: Vec<_> = look.subjects.iter().map(see).collect();
                 let shown: Vec<_> = look.subjects.iter().copied().zip(&seen).collect();
                 screen.draw(&mut encoder, &target.view, size, behind(look.options.background), &shown)?;
             }
         }
+        let begin = Instant::now();
         gpu.queue.submit([encoder.finish()]);
-        gpu.check()
+        let took = begin.elapsed();
+        gpu.check().map(|()| took)
     }
 }
 
@@ -150,19 +177,24 @@ fn behind(background: Background) -> wgpu::Color {
     wgpu::Color { r, g, b, a: 1.0 }
 }
 
+/// The picture of a pane.
+const fn pane_texture(size: [u32; 2]) -> wgpu::TextureDescriptor<'static> {
+    wgpu::TextureDescriptor {
+        label: Some("pane"),
+        size: Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: FORMAT,
+        usage: TextureUsages::RENDER_ATTACHMENT.union(TextureUsages::TEXTURE_BINDING),
+        view_formats: &[],
+    }
+}
+
 impl Target {
     fn new(graphics: &Graphics, size: [u32; 2]) -> Self {
         let device = &graphics.renderer.gpu().device;
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("pane"),
-            size: Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+        let texture = device.create_texture(&pane_texture(size));
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
         let painter = Arc::clone(&graphics.painter);
         let id = painter.write().register_native_texture(device, &view, wgpu::FilterMode::Linear);

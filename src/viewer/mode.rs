@@ -1,5 +1,6 @@
 //! What a pane shows: ways of drawing the texture, and figures in colours.
 
+use super::synth::Method;
 use crate::exemplar::srgb;
 use crate::render::{Background, Lighting};
 use glam::Vec3;
@@ -16,8 +17,10 @@ pub enum Mode {
     Reference,
     /// The texture baked into an atlas.
     Atlas,
-    /// The exemplar synthesised vertex by vertex instead of pasted.
-    Synthesis,
+    /// The exemplar synthesised by Wei and Levoy instead of pasted.
+    WeiLevoy,
+    /// The exemplar synthesised by Chen and Dong instead of pasted.
+    ChenDong,
     /// Each paste in a colour of its own.
     Pastes,
     /// How many pastes each face draws, and where none covers it.
@@ -30,22 +33,33 @@ pub enum Mode {
 
 impl Mode {
     /// All of them, in the order in which they are offered.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Single,
         Self::Layered,
         Self::Reference,
         Self::Atlas,
-        Self::Synthesis,
+        Self::WeiLevoy,
+        Self::ChenDong,
         Self::Pastes,
         Self::Draws,
         Self::Stretch,
         Self::Bare,
     ];
 
-    /// True for those whose subject is made when they are looked at.
+    /// True for those whose subject [`super::side`] makes when they are looked at.
     #[must_use]
     pub const fn is_made(self) -> bool {
-        !matches!(self, Self::Single | Self::Layered | Self::Reference)
+        !matches!(self, Self::Single | Self::Layered | Self::Reference) && self.method().is_none()
+    }
+
+    /// The method, if it shows a synthesis.
+    #[must_use]
+    pub const fn method(self) -> Option<Method> {
+        match self {
+            Self::WeiLevoy => Some(Method::WeiLevoy),
+            Self::ChenDong => Some(Method::ChenDong),
+            _ => None,
+        }
     }
 
     /// Its name.
@@ -56,7 +70,8 @@ impl Mode {
             Self::Layered => "Layered",
             Self::Reference => "Reference",
             Self::Atlas => "Atlas",
-            Self::Synthesis => "Synthesis",
+            Self::WeiLevoy => Method::WeiLevoy.name(),
+            Self::ChenDong => Method::ChenDong.name(),
             Self::Pastes => "Pastes",
             Self::Draws => "Draws per face",
             Self::Stretch => "Stretch",
@@ -74,9 +89,8 @@ impl Mode {
                 "Drawn by the processor, every sample by itself, with shadows: as pictures are. Appears when the view is at rest"
             }
             Self::Atlas => "The texture baked into an atlas of charts, as other tools show it. Takes a while to bake",
-            Self::Synthesis => {
-                "Wei and Levoy's synthesis: the first exemplar matched vertex by vertex on a re-tiled mesh, level by level. Takes a while"
-            }
+            Self::WeiLevoy => Method::WeiLevoy.hint(),
+            Self::ChenDong => Method::ChenDong.hint(),
             Self::Draws => "How many pastes lie on each face; where the surface is not covered it is marked",
             Self::Stretch => "The scale of the topmost paste against the one that the field asks for",
             Self::Pastes => "Each paste (one texture patch on one surface patch) in its own colour, with its alpha",

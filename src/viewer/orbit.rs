@@ -11,7 +11,7 @@ const TURN: f64 = 0.008;
 /// Nearest and farthest distance, as multiples of the distance that shows everything.
 const DISTANCES: [f64; 2] = [1e-3, 50.0];
 /// Points of a mesh that are looked at to frame it; beyond, every so many are.
-const FRAMED: usize = 400_000;
+const FRAMED: usize = 100_000;
 /// Radians a second of the turntable.
 const TURNTABLE: f64 = 0.6;
 /// The near plane's distance as a share of the eye's from the point looked at.

@@ -1,5 +1,5 @@
-//! Subjects beside the texture itself: the same pastes in colours of their own, figures in colours, the baked atlas, a synthesis,
-//! and lines on the surface. Each is made when a pane shows it.
+//! Subjects beside the texture itself: the same pastes in colours of their own, figures in colours, the baked atlas, and lines on the
+//! surface. Each is made when a pane shows it.
 
 use super::build::Shown;
 use super::graphics::Graphics;
@@ -10,7 +10,6 @@ use crate::atlas::{AtlasError, BakeOptions, Frames, UnwrapOptions, bake, unwrap}
 use crate::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch};
 use crate::field::turning_points;
 use crate::job::bake::default_size;
-use crate::job::synth::{Density, SynthJob, SynthJobError, synthesize_on};
 use crate::mesh::{Mesh, MeshError};
 use crate::paste::{Composite, LappedTexture, Paste};
 use crate::progress::Progress;
@@ -18,7 +17,6 @@ use crate::render::gpu::{GpuError, Renderer, Subject};
 use crate::render::style::{Legend, corner_colours, distinct};
 use crate::render::{DrawOptions, PreviewStyle, RenderError, Stage, Subject as Styled};
 use crate::surface::SurfaceTexture;
-use crate::synth::VertexTexture;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -29,9 +27,6 @@ const COLOURS: u16 = 24;
 const MOST_PATCHES: usize = 240;
 /// Longest side of the atlas that is looked at, texels.
 const LARGEST_ATLAS: u32 = 2048;
-
-/// Vertices of a synthesis that is looked at, about.
-const VERTICES: f64 = 120_000.0;
 
 /// Why a subject was not made.
 #[derive(Debug, thiserror::Error)]
@@ -46,9 +41,6 @@ pub enum SideError {
     /// The atlas.
     #[error(transparent)]
     Atlas(#[from] AtlasError),
-    /// The synthesis.
-    #[error(transparent)]
-    Synthesis(#[from] SynthJobError),
     /// A mesh of lines.
     #[error(transparent)]
     Mesh(#[from] MeshError),
@@ -58,13 +50,7 @@ impl SideError {
     /// True if it was stopped because something newer was wanted.
     #[must_use]
     pub const fn is_cancelled(&self) -> bool {
-        use crate::mesh::retile::RetileError;
-        use crate::synth::SynthError;
-        matches!(
-            self,
-            Self::Atlas(AtlasError::Cancelled)
-                | Self::Synthesis(SynthJobError::Synth(SynthError::Cancelled) | SynthJobError::Retile(RetileError::Cancelled))
-        )
+        matches!(self, Self::Atlas(AtlasError::Cancelled))
     }
 }
 
@@ -76,13 +62,21 @@ struct Made {
     legend: Option<Legend>,
 }
 
-/// The field's turning points: how many, and the sum of their parts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The field's turning points.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Turning {
-    /// How many there are.
-    pub count: usize,
+    /// Where each is, and its index in n-th parts of a full turn.
+    pub points: Vec<(DVec3, i32)>,
+    /// Ways of the field: n.
+    pub ways: u32,
+}
+
+impl Turning {
     /// The sum of their indices, in n-th parts of a full turn.
-    pub sum: i64,
+    #[must_use]
+    pub fn sum(&self) -> i64 {
+        self.points.iter().map(|(_, parts)| i64::from(*parts)).sum()
+    }
 }
 
 /// What lines are of.
@@ -128,7 +122,7 @@ impl Side {
     /// True if nothing is being made.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.lane.meter().is_none() && self.ruler.meter().is_none()
+        self.lane.is_idle() && self.ruler.is_idle()
     }
 
     /// The work on a mode's subject, if it goes on.
@@ -165,8 +159,8 @@ impl Side {
 
     /// The turning points of the field of a revision, if they were looked for.
     #[must_use]
-    pub fn turning(&self, revision: u64) -> Option<Turning> {
-        self.turning.filter(|(of, _)| *of == revision).map(|(_, turning)| turning)
+    pub fn turning(&self, revision: u64) -> Option<&Turning> {
+        self.turning.as_ref().filter(|(of, _)| *of == revision).map(|(_, turning)| turning)
     }
 
     /// Takes in what was made; what went wrong is returned.
@@ -182,7 +176,7 @@ impl Side {
         }
         for (drawn, subject, turning) in self.ruler.take() {
             self.count += 1;
-            self.turning = turning.map(|t| (drawn.revision, t)).or(self.turning);
+            self.turning = turning.map(|t| (drawn.revision, t)).or(self.turning.take());
             match subject {
                 Ok(subject) => self.ruled = Some((drawn, subject)),
                 Err(error) => errors.push(error),
@@ -225,7 +219,8 @@ impl Side {
             let strips = lines(shown.mesh(), shown.field(), which, detail, near);
             let turning = shown.field().filter(|_| which.singularities).map(|field| {
                 let points = turning_points(shown.mesh(), field);
-                Turning { count: points.len(), sum: points.iter().map(|p| i64::from(p.parts)).sum() }
+                let points = points.iter().map(|p| (shown.mesh().point(p.place), p.parts)).collect();
+                Turning { points, ways: field.ways }
             });
             let tints = strips.tints();
             let subject = (!strips.faces.is_empty())
@@ -263,7 +258,6 @@ fn make(
             done(renderer.load_tinted(&stage, &nothing, Some(&tints))?, legend);
         }
         (Mode::Atlas, Some(lapped)) => done(renderer.load(&stage, &baked(mesh, &stage, lapped, progress)?)?, None),
-        (Mode::Synthesis, Some(lapped)) => synthesized(shown, lapped, renderer, progress, &|subject| done(subject, None))?,
         _ => done(renderer.load(&stage, &nothing)?, None),
     }
     Ok(())
@@ -329,43 +323,4 @@ fn baked(mesh: &Mesh, stage: &Stage<'_>, lapped: &LappedTexture, progress: &dyn 
         out.pastes.push(Paste { patch: number as u16, faces, uv, offset: Vec2::ZERO });
     }
     Ok(out)
-}
-
-/// The first exemplar synthesised over the surface, vertex by vertex; every level is shown when it is done.
-fn synthesized(
-    shown: &Shown,
-    lapped: &LappedTexture,
-    renderer: &Renderer,
-    progress: &dyn Progress,
-    done: &dyn Fn(Subject),
-) -> Result<(), SideError> {
-    let Some(exemplar) = lapped.exemplars.first() else { return Ok(()) };
-    let steer = shown.project.job(Some(exemplar)).steer;
-    let direction = crate::job::Direction::Steered(steer);
-    let mut job = SynthJob { direction, ..SynthJob::default() };
-    if let Some(report) = shown.report() {
-        // As large as it is pasted, as finely as there are vertices for it.
-        let side = (VERTICES / report.ratio.max(f64::MIN_POSITIVE)).sqrt().clamp(16.0, 128.0) as u32;
-        job.density = Density::Scale(report.scale);
-        job.side = Some(exemplar.size()[0].max(exemplar.size()[1]).min(side));
-    }
-    let show = |texture: &VertexTexture| -> Result<Subject, SideError> {
-        let values = texture.channel(Channel::BaseColor).unwrap_or(&[]);
-        let colour = |v: u32| match values.get(3 * v as usize..3 * v as usize + 3) {
-            Some(&[r, g, b]) => Vec4::new(r, g, b, 1.0),
-            _ => Vec4::ONE,
-        };
-        let tints: Vec<[Vec4; 3]> = texture.mesh.faces.iter().map(|face| face.map(colour)).collect();
-        let stage = Stage::new(&texture.mesh, &DrawOptions::default());
-        Ok(renderer.load_tinted(&stage, &LappedTexture::default(), Some(&tints))?)
-    };
-    let made = synthesize_on(&shown.open.cleaned, exemplar, &job, progress, &mut |levels, exemplar, level| {
-        let texture = VertexTexture::of_exemplar(&levels.levels()[level.level], exemplar, level.places);
-        // What cannot be shown now is told when the last level is.
-        if let Ok(subject) = show(&texture) {
-            done(subject);
-        }
-    })?;
-    done(show(&made.texture)?);
-    Ok(())
 }

@@ -3,16 +3,20 @@
 use super::graphics::{Graphics, Look, Pane};
 use super::mode::{Backdrop, Light, Mode};
 use super::orbit::Orbit;
+use super::synth::Method;
 use crate::mesh::Mesh;
-use crate::render::gpu::{GpuError, Path, Subject};
+use crate::render::gpu::{GpuError, Path, Screen, Subject};
 use crate::render::{Camera, DrawOptions, Projection};
 use egui::{Color32, CursorIcon, Key, Pos2, Rect, Sense, Stroke, Ui, Vec2, pos2, vec2};
 use glam::DVec3;
+use std::time::Duration;
 
 /// Factor by which a point of scrolling brings nearer.
 const SCROLL: f64 = 0.004;
 /// Half the width of what takes hold of the divider, points.
 const GRIP: f32 = 5.0;
+/// A room whose width over height changes by this share has another shape.
+const RESHAPED: f64 = 0.01;
 /// The divider stays so far from the borders, as a share of the width.
 const LEAST_SHARE: f32 = 0.05;
 
@@ -57,11 +61,15 @@ pub struct Viewport {
     /// What is behind.
     pub backdrop: Backdrop,
     panes: [Pane; 2],
+    /// What both draw by.
+    screen: Option<Screen>,
     drawn: [Option<Key3>; 2],
     rect: Rect,
     scale: f32,
     /// When the camera moved last, seconds of the interface's clock.
     moved: f64,
+    /// The camera that showed all of the model, and for which shape of room.
+    framed: Option<(Orbit, f64)>,
 }
 
 impl Default for Viewport {
@@ -74,10 +82,12 @@ impl Default for Viewport {
             light: Light::default(),
             backdrop: Backdrop::default(),
             panes: Default::default(),
+            screen: None,
             drawn: [None, None],
             rect: Rect::from_min_size(Pos2::ZERO, Vec2::new(4.0, 3.0)),
             scale: 1.0,
             moved: 0.0,
+            framed: None,
         }
     }
 }
@@ -91,6 +101,8 @@ pub struct Seen {
     pub error: Option<GpuError>,
     /// Panes that were drawn anew.
     pub frames: u32,
+    /// How long the device took for them, of the time of this frame.
+    pub device: Duration,
 }
 
 impl Viewport {
@@ -107,9 +119,9 @@ impl Viewport {
         self.rect
     }
 
-    /// Makes ready what takes longer than a frame.
+    /// Makes ready what takes longer than a frame. What cannot be made is told when it is drawn with.
     pub fn prepare(&mut self, graphics: &Graphics) {
-        self.panes.iter_mut().for_each(|pane| pane.prepare(graphics));
+        self.screen = graphics.screen().ok();
     }
 
     /// Where it will be in the window, and pixels a point.
@@ -140,6 +152,24 @@ impl Viewport {
         self.modes.iter().copied().take(1 + usize::from(self.split.is_some()))
     }
 
+    /// Shows the texture as it is pasted with a synthesis beside it, or no synthesis any more.
+    pub fn compare(&mut self) {
+        if self.seen_modes().any(|mode| mode.method().is_some()) {
+            (self.split, self.modes[0]) = (None, Mode::Single);
+        } else {
+            (self.split, self.modes) = (Some(0.5), [Mode::Single, Mode::WeiLevoy]);
+        }
+    }
+
+    /// Shows a method in the pane that shows another one.
+    pub fn show_method(&mut self, method: Method) {
+        let seen: Vec<Mode> = self.seen_modes().collect();
+        let other = seen.iter().rposition(|mode| mode.method().is_some_and(|m| m != method));
+        if let Some(pane) = other.filter(|_| seen.iter().all(|mode| mode.method() != Some(method))) {
+            self.modes[pane] = method.mode();
+        }
+    }
+
     /// Light and background of frames.
     #[must_use]
     pub fn options(&self, dark: bool) -> DrawOptions {
@@ -151,6 +181,14 @@ impl Viewport {
     pub fn frame(&mut self, mesh: &Mesh) {
         let aspect = self.aspect();
         self.orbit.frame(mesh, aspect);
+        self.framed = Some((self.orbit, aspect));
+    }
+
+    /// Shows all of a mesh again if it did, nobody has moved the camera since, and the room has another shape now.
+    pub fn keep_framed(&mut self, mesh: &Mesh) {
+        if self.framed.is_some_and(|(orbit, aspect)| orbit == self.orbit && (self.aspect() / aspect - 1.0).abs() > RESHAPED) {
+            self.frame(mesh);
+        }
     }
 
     /// Where a point of the world is in the window, if it is in front of the eye.
@@ -196,7 +234,7 @@ impl Viewport {
         let size = self.pixels();
         // Until there is a picture, and for modes that have none.
         ui.painter().rect_filled(rect, 0.0, Color32::from_gray(self.backdrop.grey(ui.visuals().dark_mode)));
-        let (mut error, mut frames) = (None, 0);
+        let (mut error, mut frames, mut device) = (None, 0, Duration::ZERO);
         for (i, mode) in self.seen_modes().collect::<Vec<_>>().into_iter().enumerate() {
             let given = given(mode);
             let lines = given.lines.map_or(0, |(_, number)| number);
@@ -208,7 +246,10 @@ impl Viewport {
                 }
                 let both: Vec<&Subject> = std::iter::once(subject).chain(given.lines.map(|(lines, _)| lines)).collect();
                 let look = Look { subjects: &both, path, camera: &camera, options: &options, depth };
-                error = self.panes[i].draw(graphics, size, &look).err().or(error);
+                match self.draw(i, graphics, size, &look) {
+                    Ok(took) => device += took,
+                    Err(failed) => error = Some(failed),
+                }
                 self.drawn[i] = Some(key);
                 frames += 1;
             }
@@ -223,7 +264,15 @@ impl Viewport {
             ui.painter().vline(x, rect.y_range(), Stroke::new(1.5, colour));
             ui.painter().circle(pos2(x, rect.center().y), 4.5, ui.visuals().panel_fill, Stroke::new(1.5, colour));
         }
-        Seen { response, error, frames }
+        Seen { response, error, frames, device }
+    }
+
+    fn draw(&mut self, pane: usize, graphics: &Graphics, size: [u32; 2], look: &Look<'_>) -> Result<Duration, GpuError> {
+        let screen = match &mut self.screen {
+            Some(screen) => screen,
+            none => none.insert(graphics.screen()?),
+        };
+        self.panes[pane].draw(graphics, screen, size, look)
     }
 
     /// Turns, moves and brings nearer by the pointer.

@@ -171,15 +171,22 @@ impl Open {
     /// Runs the interface once and shows it.
     fn draw(&mut self) -> Result<(), GpuError> {
         let begin = Instant::now();
+        self.app.trace_mut().begin_frame();
         let input = self.input.take_egui_input(&self.window);
+        self.app.trace_mut().part("input", begin.elapsed());
         let mut output = self.context.run_ui(input, |ui| self.app.ui(ui));
+        let telling = Instant::now();
         self.input.handle_platform_output(&self.window, std::mem::take(&mut output.platform_output));
         let title = self.app.title();
         if title != self.title {
             self.window.set_title(&title);
             self.title = title;
         }
+        self.app.trace_mut().part("system", telling.elapsed());
+        let meshing = Instant::now();
         let shapes = self.context.tessellate(std::mem::take(&mut output.shapes), output.pixels_per_point);
+        self.app.trace_mut().part("shapes", meshing.elapsed());
+        let uploading = Instant::now();
         let Gpu { device, queue, .. } = &self.gpu;
         let mut painter = self.painter.write();
         for (id, images) in output.textures_delta.set.drain() {
@@ -187,6 +194,7 @@ impl Open {
                 painter.update_texture(device, queue, id, &image);
             }
         }
+        self.app.trace_mut().part("pictures", uploading.elapsed());
         let size: [u32; 2] = self.window.inner_size().into();
         self.surface.resize(size);
         self.app.trace_mut().frame(begin.elapsed());
@@ -198,6 +206,7 @@ impl Open {
             }
             other => other?,
         };
+        let shown = texture.is_some();
         if let Some(texture) = texture {
             let screen = egui_wgpu::ScreenDescriptor {
                 size_in_pixels: [texture.texture.width(), texture.texture.height()],
@@ -224,6 +233,10 @@ impl Open {
             painter.free_texture(&id);
         }
         drop(painter);
+        // A surface that drew, if not at its best, must not be drawn without end.
+        if !shown && self.surface.is_stale() && !size.contains(&0) {
+            self.window.request_redraw();
+        }
         match self.gpu.check() {
             Err(error @ GpuError::Refused { .. }) => {
                 self.app.tell(error.to_string(), true);

@@ -146,6 +146,13 @@ impl<T: Send + 'static> Lane<T> {
         std::mem::take(&mut lock(&self.shared.state).results)
     }
 
+    /// True if no job runs or waits, and all that has come was taken.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        let state = lock(&self.shared.state);
+        state.next.is_none() && state.running.is_none() && state.results.is_empty()
+    }
+
     /// Of the job that runs or waits, if there is one.
     #[must_use]
     pub fn meter(&self) -> Option<Arc<Meter>> {

@@ -7,6 +7,7 @@
 
 use crate::bake::Smooth;
 use crate::checker::{Shown, overlaps, same_geometry};
+use crate::folder::whole;
 use glam::Vec3;
 use lapped::atlas::UnwrapOptions;
 use lapped::exemplar::Channel;
@@ -19,15 +20,18 @@ use lapped::surface::SurfaceTexture;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Texels along a side; the check for overlaps is at 4096 whatever this is.
+/// Texels along a side; the check for overlaps is finer, whatever this is.
 const SIZE: u32 = 1024;
 
-/// Larger meshes take minutes each in the profile of tests.
-const MOST_FACES: usize = 200_000;
+/// Meshes of more faces are left out, and overlaps are looked for on so many texels along a side: for the whole corpus, and for a
+/// part in a few minutes.
+const WHOLE: (usize, usize) = (200_000, 4096);
+const PART: (usize, usize) = (20_000, 2048);
 
 #[test]
 fn corpus_meshes_bake_and_pass_the_checker() {
-    let Some(folder) = std::env::var_os("LAPPED_CORPUS").map(PathBuf::from) else { return };
+    let Some(folder) = crate::folder::corpus() else { return };
+    let (most_faces, fine) = if whole() { WHOLE } else { PART };
     let mut paths: Vec<PathBuf> = std::fs::read_dir(folder.join("meshes")).unwrap().map(|e| e.unwrap().path()).collect();
     paths.sort_by_key(|p| (p.metadata().unwrap().len(), p.clone()));
     let out = tempfile::tempdir().unwrap();
@@ -37,7 +41,7 @@ fn corpus_meshes_bake_and_pass_the_checker() {
         let begin = Instant::now();
         let model = read_model(&path).unwrap();
         let cleaned = clean(&model.positions, &model.faces, &CleanOptions::default()).unwrap();
-        if cleaned.mesh.face_count() > MOST_FACES {
+        if cleaned.mesh.face_count() > most_faces {
             continue;
         }
         let texture = Smooth::new(&cleaned.mesh, &[Channel::BaseColor]);
@@ -54,7 +58,7 @@ fn corpus_meshes_bake_and_pass_the_checker() {
         let shown = Shown::read(&file);
         same_geometry(&shown, &model);
         let inside = shown.uv.iter().all(|p| (0.0..=1.0).contains(&p.x) && (0.0..=1.0).contains(&p.y));
-        let (shared, doubled) = overlaps(&shown, 4096);
+        let (shared, doubled) = overlaps(&shown, fine);
         // Colours at corners and middles, at the finest level and two below.
         let levels = shown.levels(2);
         let (low, high) = cleaned.mesh.bounds();

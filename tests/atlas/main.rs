@@ -6,5 +6,7 @@ mod checker;
 mod corpus;
 mod displace;
 mod export;
+#[path = "../common/folder.rs"]
+mod folder;
 mod layers;
 mod mips;

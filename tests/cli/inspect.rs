@@ -5,7 +5,7 @@
 use crate::program::{Place, text};
 use lapped::job::estimate::TRUST;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 fn run(place: &Place, args: &[&str]) -> String {
     let out = place.run(args);
@@ -112,7 +112,7 @@ fn numbers(text: &str) -> Vec<f64> {
 
 #[test]
 fn every_mesh_of_the_corpus_has_the_counts_of_its_index() {
-    let Some(corpus) = std::env::var_os("LAPPED_CORPUS").map(PathBuf::from) else { return };
+    let Some(corpus) = crate::folder::corpus() else { return };
     let index = std::fs::read_to_string(corpus.join("INDEX.md")).unwrap();
     let place = Place::new();
     let (meshes, welded) = (rows(&index, "| file | MB |"), rows(&index, "| file | result |"));

@@ -4,8 +4,11 @@ mod channels;
 mod commands;
 #[path = "../common/mod.rs"]
 mod common;
+mod compare;
 mod errors;
 mod flaws;
+#[path = "../common/folder.rs"]
+mod folder;
 #[path = "../common/glb.rs"]
 mod glb;
 mod inspect;

@@ -13,7 +13,6 @@ use lapped::paste::{FaceLists, LappedTexture};
 use lapped::progress::Silent;
 use lapped::random::Random;
 use rayon::prelude::*;
-use std::path::PathBuf;
 
 /// A demo mesh as a mesh.
 pub(crate) fn asset(name: &str) -> Mesh {
@@ -73,11 +72,6 @@ pub(crate) fn through_file(record: &Record) -> Record {
 /// The record's lapped texture as whoever opens the written file sees it.
 pub(crate) fn opened(record: &Record) -> Bound {
     Bound::new(through_file(record)).unwrap()
-}
-
-/// The corpus, if there is one here.
-pub(crate) fn corpus() -> Option<PathBuf> {
-    std::env::var_os("LAPPED_CORPUS").map(PathBuf::from)
 }
 
 /// Points drawn by area. Points number `chunk * CHUNK ..` come from stream `chunk`, so that chunks can be drawn in

@@ -1,3 +1,5 @@
 //! Judging results.
 mod baselines;
+mod cell;
+mod mapping;
 mod measures;

@@ -4,7 +4,6 @@ use lapped::assets;
 use lapped::exemplar::Exemplar;
 use lapped::exemplar::symmetry::{Symmetry, exemplar_symmetry};
 use lapped::format::{ExemplarOptions, read_exemplar};
-use std::path::Path;
 
 fn of(exemplar: &Exemplar) -> Symmetry {
     exemplar_symmetry(exemplar).expect("a colour image")
@@ -45,10 +44,10 @@ fn own_exemplars_are_told_apart() {
 }
 
 #[test]
-fn real_exemplars_are_told_apart() {
-    let Some(corpus) = std::env::var_os("LAPPED_CORPUS") else { return };
+fn corpus_exemplars_are_told_apart() {
+    let Some(corpus) = crate::folder::corpus() else { return };
     let read = |name: &str| {
-        let path = Path::new(&corpus).join("textures").join(name);
+        let path = corpus.join("textures").join(name);
         of(&read_exemplar(&path, &ExemplarOptions::default()).expect("a corpus texture").0)
     };
     let expected = [

@@ -20,8 +20,8 @@ fn meshes() -> impl Iterator<Item = (&'static str, &'static Mesh)> {
 }
 
 fn read_meshes() -> Vec<(String, Mesh)> {
-    let Some(corpus) = std::env::var_os("LAPPED_CORPUS") else { return Vec::new() };
-    let folder = Path::new(&corpus).join("meshes");
+    let Some(corpus) = crate::folder::corpus() else { return Vec::new() };
+    let folder = corpus.join("meshes");
     let mut names: Vec<String> = std::fs::read_dir(&folder)
         .expect("LAPPED_CORPUS has a folder `meshes`")
         .map(|entry| entry.expect("readable").file_name().into_string().expect("a plain name"))

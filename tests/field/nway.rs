@@ -2,29 +2,36 @@
 
 use lapped::assets;
 use lapped::field::nway::{Measure, NWayOptions, NWaySolver, Over, Start, comb, energy, on_pyramid};
-use lapped::format::read_model;
+use lapped::format::{Model, read_model};
 use lapped::mesh::pyramid::pyramid;
 use lapped::mesh::retile::RetileOptions;
 use lapped::mesh::{CleanOptions, Mesh, clean};
 use lapped::progress::Silent;
-use std::path::Path;
 
+fn cleaned(name: &str, model: &Model) -> (String, Mesh) {
+    (name.to_owned(), clean(&model.positions, &model.faces, &CleanOptions::default()).expect("a mesh").mesh)
+}
+
+/// The program's own.
 fn meshes() -> Vec<(String, Mesh)> {
-    let mut models: Vec<_> = assets::mesh_names().map(|n| (n.to_owned(), assets::mesh(n).expect("a demo mesh"))).collect();
-    if let Some(corpus) = std::env::var_os("LAPPED_CORPUS") {
-        for name in ["bunny-npm.obj", "torus.obj", "fandisk.obj", "duck.glb", "suzanne.obj", "cow.obj"] {
-            models.push((name.to_owned(), read_model(&Path::new(&corpus).join("meshes").join(name)).expect("a corpus mesh")));
-        }
-    }
-    let cleaned = |(name, m): (String, lapped::format::Model)| {
-        (name, clean(&m.positions, &m.faces, &CleanOptions::default()).expect("a mesh").mesh)
-    };
-    models.into_iter().map(cleaned).filter(|(_, m)| m.face_count() < 40_000).collect()
+    let own = |name| cleaned(name, &assets::mesh(name).expect("a demo mesh"));
+    assets::mesh_names().map(own).filter(|(_, m)| m.face_count() < 40_000).collect()
 }
 
 #[test]
 fn indices_sum_to_the_euler_characteristic_and_errors_never_rise() {
-    for (name, mesh) in meshes() {
+    sums_and_errors(meshes());
+}
+
+#[test]
+fn on_corpus_meshes_indices_sum_to_the_euler_characteristic_and_errors_never_rise() {
+    let Some(corpus) = crate::folder::corpus() else { return };
+    let read = |name| cleaned(name, &read_model(&corpus.join("meshes").join(name)).expect("a corpus mesh"));
+    sums_and_errors(["bunny-npm.obj", "torus.obj", "fandisk.obj", "duck.glb", "suzanne.obj", "cow.obj"].map(read));
+}
+
+fn sums_and_errors(meshes: impl IntoIterator<Item = (String, Mesh)>) {
+    for (name, mesh) in meshes {
         for n in [1, 2, 4, 6] {
             for over in [Over::Vertices, Over::Faces] {
                 let solver = NWaySolver::new(&mesh, over, n);

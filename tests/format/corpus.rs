@@ -55,7 +55,7 @@ fn every_mesh_has_the_counts_of_the_index() {
 
 /// The corpus folder of meshes, if there is one.
 fn meshes() -> Option<PathBuf> {
-    std::env::var_os("LAPPED_CORPUS").map(|corpus| PathBuf::from(corpus).join("meshes"))
+    crate::folder::corpus().map(|corpus| corpus.join("meshes"))
 }
 
 /// Corner positions of all triangles: what two readers must agree on, however they number vertices.
@@ -144,8 +144,8 @@ fn the_duck_holds_what_another_reader_sees() {
 
 #[test]
 fn material_sets_are_found_and_their_heights_turned_outward() {
-    let Some(corpus) = std::env::var_os("LAPPED_CORPUS") else { return };
-    let folder = Path::new(&corpus).join("textures");
+    let Some(corpus) = crate::folder::corpus() else { return };
+    let folder = corpus.join("textures");
     // As the index says, bright is deep in bricks, stone wall and cheese. It is in wool too: both slopes of its height map
     // run against those of its normal map (correlations -0.35 and -0.42).
     for (set, channels, turned) in [

@@ -6,6 +6,8 @@ mod common;
 mod corpus;
 mod docs;
 mod exemplars;
+#[path = "../common/folder.rs"]
+mod folder;
 #[path = "../common/glb.rs"]
 mod glb;
 mod gltf;

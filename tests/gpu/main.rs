@@ -6,6 +6,8 @@ mod agree;
 mod bake;
 mod common;
 mod coverage;
+#[path = "../common/folder.rs"]
+mod folder;
 #[path = "../common/glb.rs"]
 mod glb;
 mod limits;

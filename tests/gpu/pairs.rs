@@ -6,7 +6,6 @@ use crate::agree::agree;
 use crate::common::{pasted, pasted_model};
 use lapped::format::{ExemplarOptions, read_exemplar, read_model};
 use lapped::render::{DrawOptions, Grid};
-use std::path::PathBuf;
 
 /// Few exemplar areas: what is compared is drawing, and each pair is pasted first.
 const RATIO: f64 = 8.0;
@@ -28,7 +27,7 @@ fn every_demo_mesh_and_every_demo_exemplar_look_the_same_in_all_modes() {
 #[test]
 #[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn meshes_of_the_corpus_look_the_same_in_all_modes() {
-    let Some(corpus) = std::env::var_os("LAPPED_CORPUS").map(PathBuf::from) else { return };
+    let Some(corpus) = crate::folder::corpus() else { return };
     let pairs = [
         ("spot.obj", "grass.png", "three-quarter"),
         ("duck.glb", "bricks-pbr", "yaw=-60,pitch=25"),

@@ -1,3 +1,5 @@
 //! The mesh core on hard shapes.
 
+#[path = "../common/folder.rs"]
+mod folder;
 mod retile;

@@ -6,6 +6,8 @@ mod corpus;
 mod coverage;
 mod disc;
 mod flat;
+#[path = "../common/folder.rs"]
+mod folder;
 mod hard;
 mod repeat;
 mod ways;

@@ -51,8 +51,7 @@ pub(crate) fn moved(mesh: &Mesh, place: impl Fn(DVec3) -> DVec3) -> Mesh {
 /// A mesh of the corpus, or `None` if there is no corpus here.
 #[must_use]
 pub(crate) fn corpus(name: &str) -> Option<Mesh> {
-    let folder = std::env::var("LAPPED_CORPUS").ok()?;
-    let path = std::path::Path::new(&folder).join("meshes").join(name);
+    let path = crate::folder::corpus()?.join("meshes").join(name);
     let model = lapped::format::read_model(&path).unwrap();
     Some(clean(&model.positions, &model.faces, &CleanOptions::default()).unwrap().mesh)
 }

@@ -1,6 +1,8 @@
 //! Pictures by the reference renderer.
 
 mod common;
+#[path = "../common/folder.rs"]
+mod folder;
 mod picture;
 mod raster;
 mod styles;

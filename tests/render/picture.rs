@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests fail as tests do")]
 
-use crate::common::{Painted, checks, corpus, flat, moved, plain, round};
+use crate::common::{Painted, checks, flat, moved, plain, round};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::{Channel, ChannelSet};
 use lapped::mesh::{Mesh, SurfacePoint};
@@ -125,7 +125,7 @@ fn pictures_do_not_depend_on_threads_vertex_order_size_or_place() {
 
 #[test]
 fn a_sheet_shows_every_view_once_in_its_place() {
-    let mesh = corpus("spot.obj").unwrap_or_else(|| round(30, 0.4));
+    let mesh = round(30, 0.4);
     let texture = plain(&mesh, Vec3::splat(0.4));
     let mut options = SheetOptions { size: [64, 48], samples: 1, ..SheetOptions::default() };
     for view in &mut options.views {

@@ -107,11 +107,17 @@ fn layers(mesh: &Mesh, seen: &Visibility) -> Vec<u32> {
 
 #[test]
 fn a_ray_enters_a_closed_surface_as_often_as_it_leaves() {
-    let mut meshes = vec![("sphere", round(33, 0.0)), ("torus", round(40, 0.35)), ("fine sphere", round(300, 0.0))];
-    for name in ["cat.obj", "knot.obj", "fandisk.obj", "rocker-arm.obj"] {
-        meshes.extend(corpus(name).map(|mesh| (name, mesh)));
-    }
-    for (name, mesh) in &meshes {
+    enters_as_often_as_it_leaves([("sphere", round(33, 0.0)), ("torus", round(40, 0.35)), ("fine sphere", round(300, 0.0))]);
+}
+
+#[test]
+fn a_ray_enters_corpus_meshes_as_often_as_it_leaves() {
+    let names = ["cat.obj", "knot.obj", "fandisk.obj", "rocker-arm.obj"];
+    enters_as_often_as_it_leaves(names.into_iter().filter_map(|name| Some((name, corpus(name)?))));
+}
+
+fn enters_as_often_as_it_leaves(meshes: impl IntoIterator<Item = (&'static str, Mesh)>) {
+    for (name, mesh) in &meshes.into_iter().collect::<Vec<_>>() {
         // An odd grid and axis-aligned views put vertices and edges right on sample centres.
         for text in ["front", "top", "side", "three-quarter", "front,fov=0", "yaw=45,pitch=0,fov=0", "three-quarter,zoom=3"] {
             let view: View = text.parse().unwrap();

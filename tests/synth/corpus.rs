@@ -5,12 +5,10 @@ use lapped::format::{ExemplarOptions, read_exemplar, read_model};
 use lapped::job::{Density, Direction, Steer, SynthJob, synthesize_on};
 use lapped::mesh::{CleanOptions, clean};
 use lapped::progress::Silent;
-use std::path::Path;
 
 #[test]
 fn every_surface_gets_a_texture_and_hardly_a_sample_stays_uncovered() {
-    let Some(corpus) = std::env::var_os("LAPPED_CORPUS") else { return };
-    let folder = Path::new(&corpus);
+    let Some(folder) = crate::folder::corpus() else { return };
     let options = ExemplarOptions { alone: true, ..ExemplarOptions::default() };
     let (exemplar, _) = read_exemplar(&folder.join("textures/stones-128.png"), &options).expect("a texture");
     // Thin limbs, sharp edges, high genus, open borders, needles.

@@ -14,6 +14,11 @@ use std::time::{Duration, Instant};
 /// Software adapters are slow enough for one viewer at a time.
 static ALONE: Mutex<()> = Mutex::new(());
 
+/// Waits until no other viewer is open.
+pub(crate) fn alone() -> MutexGuard<'static, ()> {
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Work that takes longer has hung.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -32,7 +37,7 @@ impl Bench {
 
     /// The same with settings and unsaved work in a folder.
     pub(crate) fn at_home(size: [f32; 2], scale: f32, home: tempfile::TempDir) -> Self {
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let alone = alone();
         let state = create_render_state(default_wgpu_setup(), egui_wgpu::RendererOptions::PREDICTABLE);
         let gpu = Gpu::from_device(state.device.clone(), state.queue.clone());
         let graphics = Graphics::new(gpu, state.renderer.clone()).unwrap();
@@ -101,4 +106,9 @@ impl Bench {
     pub(crate) fn told(&self) -> String {
         self.app().notices.iter().map(|n| n.text.as_str()).collect::<Vec<_>>().join("\n")
     }
+}
+
+/// Pixels of two pictures that differ.
+pub(crate) fn differ(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
+    a.pixels().zip(b.pixels()).filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 12)).count()
 }

@@ -2,17 +2,12 @@
 
 #![allow(clippy::unwrap_used, reason = "tests")]
 
-use crate::common::Bench;
+use crate::common::{Bench, differ};
 use egui_kittest::kittest::NodeT;
 use lapped::job::Link;
 use lapped::job::project::Direction;
 use lapped::viewer::Mode;
 use lapped::viewer::lines::Lines;
-
-/// Pixels of two pictures that differ.
-fn differ(a: &image::RgbaImage, b: &image::RgbaImage) -> usize {
-    a.pixels().zip(b.pixels()).filter(|(a, b)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 12)).count()
-}
 
 #[test]
 #[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
@@ -58,6 +53,30 @@ fn the_window_is_readable_at_every_size_and_scale() {
 
 #[test]
 #[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn a_window_moved_to_a_denser_screen_draws_more_pixels_and_one_without_size_draws_none() {
+    let mut bench = Bench::new([800.0, 500.0], 1.0);
+    bench.begin("knot", "weave");
+    let (rect, pixels) = (bench.app().viewport.rect(), bench.app().viewport.pixels());
+    // As the system tells of a screen with points of two pixels.
+    let viewport = bench.harness.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
+    viewport.native_pixels_per_point = Some(2.0);
+    bench.settle();
+    let denser = bench.app().viewport.pixels();
+    assert!((0..2).all(|k| denser[k].abs_diff(2 * pixels[k]) <= 2), "{pixels:?} became {denser:?}");
+    assert!((bench.app().viewport.rect().size() - rect.size()).length() < 2.0, "as large on the desk: {rect:?}");
+    let picture = bench.picture("denser-screen");
+    assert_eq!(picture.dimensions(), (1600, 1000), "all of the window");
+    for size in [[1.0, 1.0], [300.0, 0.0], [800.0, 500.0]] {
+        bench.harness.set_size(size.into());
+        bench.harness.run_steps(3);
+        assert!(bench.told().is_empty(), "{size:?}: {}", bench.told());
+    }
+    bench.settle();
+    assert_eq!(bench.app().viewport.pixels(), denser, "as before");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
 fn split_light_help_and_long_names() {
     let mut bench = Bench::new([1280.0, 720.0], 1.0);
     bench.begin("vase", "bricks");
@@ -92,24 +111,16 @@ fn split_light_help_and_long_names() {
 
 #[test]
 #[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
-fn an_atlas_is_baked_and_a_synthesis_appears() {
+fn an_atlas_is_baked_and_looks_like_what_was_baked() {
     let mut bench = Bench::new([1000.0, 640.0], 1.0);
     bench.begin("knot", "pebbles");
     bench.app_mut().edit("direction", |p| p.direction = Direction::Relaxed(1));
     bench.settle();
     let single = bench.picture("before-atlas");
-    for mode in [Mode::Atlas, Mode::Synthesis] {
-        bench.app_mut().viewport.modes[0] = mode;
-        bench.harness.run_steps(3);
-        bench.settle();
-        bench.picture(&format!("{mode:?}").to_lowercase());
-        assert!(bench.told().is_empty(), "{mode:?}: {}", bench.told());
-    }
-    let atlas = {
-        bench.app_mut().viewport.modes[0] = Mode::Atlas;
-        bench.settle();
-        bench.picture("atlas")
-    };
+    bench.app_mut().viewport.modes[0] = Mode::Atlas;
+    bench.harness.run_steps(3);
+    bench.settle();
+    let atlas = bench.picture("atlas");
     let apart = differ(&single, &atlas);
     assert!(apart < 120_000, "the bake looks like what was baked: {apart} pixels differ");
     bench.app_mut().set_model(Link::BuiltIn("vase".into()));

@@ -4,8 +4,10 @@
 #![cfg(feature = "viewer")]
 
 mod common;
+mod golden;
 mod looks;
 mod panels;
 mod steer;
+mod synth;
 mod walk;
 mod window;

@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use crate::common::Bench;
-use egui::{Key, Modifiers};
+use egui::{Event, Key, Modifiers, PointerButton, vec2};
+use egui_kittest::kittest::Queryable;
 use lapped::job::Project;
 use lapped::viewer::Mode;
 
@@ -25,9 +26,9 @@ fn a_demo_is_picked_pasted_turned_and_seen() {
     let middle = bench.app().viewport.rect().center();
     bench.harness.drag_at(middle);
     bench.harness.step();
-    bench.harness.hover_at(middle + egui::vec2(120.0, 20.0));
+    bench.harness.hover_at(middle + vec2(120.0, 20.0));
     bench.harness.step();
-    bench.harness.drop_at(middle + egui::vec2(120.0, 20.0));
+    bench.harness.drop_at(middle + vec2(120.0, 20.0));
     bench.settle();
     let after = bench.picture("knot-turned");
     let differ = before.pixels().zip(after.pixels()).filter(|(a, b)| a != b).count();
@@ -49,6 +50,35 @@ fn every_change_can_be_undone_and_undone_ones_show_the_same_pastes() {
     bench.harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     bench.settle();
     assert_eq!(bench.app().document.project().seed, 9, "and again");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn a_slider_moved_let_go_and_undone_within_one_frame_is_undone() {
+    let mut bench = Bench::new(SMALL, 1.0);
+    bench.begin("knot", "weave");
+    let first = bench.app().document.project().clone();
+    let scale = bench.harness.get_by_role_and_label(egui::accesskit::Role::Slider, "scale").rect();
+    let at = scale.left_center() + vec2(20.0, 0.0);
+    let button = |pressed| Event::PointerButton { pos: at, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
+    bench.harness.hover_at(at);
+    bench.harness.step();
+    bench.harness.event(button(true));
+    bench.harness.step();
+    bench.harness.hover_at(at + vec2(10.0, 0.0));
+    bench.harness.step();
+    assert_ne!(bench.app().document.project().size, first.size, "the slider moves");
+    // The next frame comes late: all this has happened meanwhile.
+    let undo = |pressed| {
+        let modifiers = Modifiers::COMMAND;
+        Event::Key { key: Key::Z, physical_key: None, pressed, repeat: false, modifiers }
+    };
+    let late = [Event::PointerMoved(at + vec2(16.0, 0.0)), button(false), undo(true), undo(false)];
+    bench.harness.input_mut().events.extend(late);
+    bench.harness.step();
+    bench.harness.step();
+    assert_eq!(bench.app().document.project(), &first, "as it was before the slider moved");
+    assert_eq!(bench.app().document.steps()[1], Some("scale"), "one change, taken back");
 }
 
 #[test]

@@ -5,6 +5,7 @@
 use crate::common::Bench;
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, vec2};
 use glam::{DVec3, Vec2};
+use lapped::job::Link;
 use lapped::job::project::Shape;
 use lapped::paste::watch::Doing;
 
@@ -91,9 +92,23 @@ fn a_stroke_combs_the_texture_along_it_and_is_undone() {
     let cosine = up[0] * wanted.x + up[1] * wanted.y;
     assert!(cosine > 0.95, "texture up {up:?} runs along the stroke {wanted:?}");
     bench.picture("combed");
+    let slow = bench.app().document.project().constraints.clone();
     bench.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     bench.settle();
     assert!(bench.app().document.project().constraints.constraints.is_empty(), "undone");
+    // The same stroke between two frames.
+    let button = |pos: Pos2, pressed: bool| {
+        let (button, modifiers) = (PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos, button, pressed, modifiers }
+    };
+    let way = (0..=6).map(|i| Event::PointerMoved(from.lerp(to, i as f32 / 6.0)));
+    let events = [Event::PointerMoved(from), button(from, true)].into_iter().chain(way).chain([button(to, false)]);
+    bench.harness.input_mut().events.extend(events);
+    bench.harness.step();
+    bench.settle();
+    assert_eq!(bench.app().document.project().constraints, slow, "quick or slow, the same constraints");
+    bench.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    bench.settle();
     assert_eq!(bench.app().shown().unwrap().lapped().unwrap(), &before, "paste for paste");
     bench.harness.run_steps(2);
     assert!(bench.app().steer.combing.constraints().constraints.is_empty(), "no handle is left");
@@ -166,6 +181,77 @@ fn an_outline_drawn_on_the_exemplar_becomes_the_shape_of_its_patches() {
     assert!(bench.app().document.project().exemplars[0].shapes.is_empty(), "undone");
     bench.harness.run_steps(2);
     assert!(bench.app().cut.as_ref().unwrap().cutter().outlines().is_empty(), "in the editor too");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn outlines_of_a_second_exemplar_are_its_own() {
+    let mut bench = Bench::new(SMALL, 1.0);
+    bench.begin("vase", "weave");
+    let links = ["weave", "pebbles"].map(|name| Link::BuiltIn(name.to_owned()));
+    bench.app_mut().set_exemplars(links.to_vec());
+    bench.settle();
+    let context = bench.harness.ctx.clone();
+    bench.app_mut().cut_exemplar(1, &context);
+    bench.harness.run_steps(3);
+    let size = bench.app().shown().unwrap().lapped().unwrap().exemplars[1].size().map(|n| n as f32);
+    for [x, y] in [[0.2, 0.2], [0.8, 0.25], [0.75, 0.8], [0.25, 0.75]] {
+        let at = bench.app().cut.as_ref().unwrap().place(Vec2::new(x * size[0], y * size[1])).unwrap();
+        bench.click_at(at);
+    }
+    bench.key(Key::Enter);
+    bench.settle();
+    bench.harness.run_steps(6);
+    bench.picture("cut-second");
+    let shapes = |bench: &Bench| bench.app().document.project().exemplars.iter().map(|e| e.shapes.clone()).collect::<Vec<_>>();
+    let cut = shapes(&bench);
+    assert!(cut[0].is_empty() && matches!(&cut[1][..], [Shape::Outline(_)]), "{cut:?}");
+    bench.app_mut().cut_exemplar(0, &context);
+    bench.harness.run_steps(3);
+    assert!(bench.app().cut.as_ref().unwrap().cutter().outlines().is_empty(), "the first has none");
+    assert_eq!(shapes(&bench), cut, "looking at it changes nothing");
+    bench.app_mut().cut_exemplar(1, &context);
+    bench.harness.run_steps(3);
+    assert_eq!(bench.app().cut.as_ref().unwrap().cutter().outlines().len(), 1, "the second has kept its own");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn a_disc_behind_nearer_parts_is_hidden_by_them() {
+    let mut bench = Bench::new(SMALL, 1.0);
+    bench.begin("knot", "weave");
+    bench.comb();
+    bench.key(Key::O);
+    bench.settle();
+    bench.harness.run_steps(4);
+    let before = bench.picture("watch-hidden-before");
+    // A paste on the far side of a strand that looks at the eye through a nearer one.
+    let (app, shown) = (bench.app(), bench.app().shown().unwrap());
+    let (mesh, camera) = (shown.mesh(), app.viewport.orbit.camera());
+    let faces_eye = |f: u32| mesh.normal(f).dot(mesh.centroid(f) - camera.eye) < 0.0;
+    let hidden = |f: &u32| faces_eye(*f) && !app.steer.in_sight(shown, &camera, mesh.centroid(*f));
+    let count = |faces: &[u32]| faces.iter().filter(|f| hidden(f)).count();
+    let pastes = &shown.lapped().unwrap().pastes;
+    let chosen = (0..pastes.len()).max_by_key(|&p| count(&pastes[p].faces)).unwrap();
+    let places: Vec<Pos2> = {
+        let faces = pastes[chosen].faces.iter().filter(|f| hidden(f));
+        faces.filter_map(|&f| app.viewport.place(&camera, mesh.centroid(f))).collect()
+    };
+    assert!(places.len() > 10, "{} faces are hidden", places.len());
+    bench.app_mut().watch.as_mut().unwrap().watch_mut().choose(Some(chosen));
+    bench.settle();
+    let moments = bench.app().watch.as_ref().unwrap().watch().growth().map_or(0, lapped::paste::Growth::moments);
+    bench.app_mut().watch.as_mut().unwrap().watch_mut().play = lapped::viewer::watch::Play::Still;
+    bench.app_mut().watch.as_mut().unwrap().watch_mut().go_to(moments);
+    bench.harness.run_steps(3);
+    let after = bench.picture("watch-hidden");
+    let changed = places.iter().filter(|at| {
+        let (x, y) = (at.x as u32, at.y as u32);
+        before.get_pixel(x, y) != after.get_pixel(x, y)
+    });
+    // Beside its outline a seen part of the disc may lie over the middle of a hidden face.
+    let changed = changed.count();
+    assert!(10 * changed <= places.len(), "{changed} of {} hidden faces were painted", places.len());
 }
 
 #[test]

@@ -84,6 +84,13 @@ fn from_an_empty_window_to_a_combed_textured_exported_model() {
     bench.settle();
     bench.harness.run_steps(4);
     bench.picture("walk-8-split");
+    bench.app_mut().viewport.split = None;
+    bench.app_mut().edit("synthesis", |p| p.synthesis.vertices = 120_000);
+    bench.key(Key::Y);
+    bench.settle();
+    bench.harness.run_steps(4);
+    bench.picture("walk-9-compare");
+    assert!(bench.app().synthesized().is_some(), "pasted against synthesised: {}", bench.told());
     let record = bench.home.path().join("vase.glb");
     bench.app_mut().export_to(Action::ExportRecord, record.clone(), true);
     bench.settle();

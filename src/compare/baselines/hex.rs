@@ -57,26 +57,42 @@ fn place(corner: [i32; 2]) -> Vec2 {
     Vec2::new(x + 0.5 * y, 0.5 * 3.0_f32.sqrt() * y)
 }
 
-/// The texture at a pixel; the normal is in the tile's own frame.
-#[must_use]
-pub fn hex_texel(tile: &Tile<'_>, pixel: Vec2, lod: f32, options: &HexOptions) -> Texel {
+/// What one hexagon shows at a pixel: its weight, the pixel of the exemplar, and the texel.
+type Part = (f32, Vec2, Texel);
+
+/// What the hexagons around a pixel show.
+fn parts(tile: &Tile<'_>, pixel: Vec2, lod: f32, options: &HexOptions) -> [Part; 3] {
     let size = tile.size();
     let side = SIDE * size.x;
-    let parts = triangle(pixel / side).map(|(corner, weight)| {
+    triangle(pixel / side).map(|(corner, weight)| {
         let stream = u64::from(corner[0].cast_unsigned()) << 32 | u64::from(corner[1].cast_unsigned());
         let mut random = Random::new(options.seed, stream);
         let shift = Vec2::new(random.unit() as f32, random.unit() as f32) * size;
         let turn = Vec2::from_angle(options.turn * (2.0 * random.unit() as f32 - 1.0));
         let middle = place(corner) * side;
-        let mut texel = tile.texel(turn.rotate(pixel - middle) + middle + shift, lod);
+        let place = turn.rotate(pixel - middle) + middle + shift;
+        let mut texel = tile.texel(place, lod);
         // Pixels count downward, so what is read turned one way is shown turned the other.
         texel.normal = turn.rotate(texel.normal.truncate()).extend(texel.normal.z);
         let luminance = texel.base_color.dot(Vec3::new(0.2126, 0.7152, 0.0722));
         let bright = 1.0 + (luminance - 1.0) * options.contrast;
-        (bright.max(1e-4) * weight.max(0.0).powf(options.power), texel)
-    });
-    let total: f32 = parts.iter().map(|(w, _)| w).sum();
-    mean(&parts.map(|(w, t)| (w / total.max(f32::MIN_POSITIVE), t)))
+        (bright.max(1e-4) * weight.max(0.0).powf(options.power), place, texel)
+    })
+}
+
+/// The texture at a pixel; the normal is in the tile's own frame.
+#[must_use]
+pub fn hex_texel(tile: &Tile<'_>, pixel: Vec2, lod: f32, options: &HexOptions) -> Texel {
+    let parts = parts(tile, pixel, lod, options);
+    let total: f32 = parts.iter().map(|(w, ..)| w).sum();
+    mean(&parts.map(|(w, _, t)| (w / total.max(f32::MIN_POSITIVE), t)))
+}
+
+/// The pixel of the exemplar that weighs most at a pixel.
+#[must_use]
+pub fn hex_place(tile: &Tile<'_>, pixel: Vec2, options: &HexOptions) -> Vec2 {
+    let [a, b, c] = parts(tile, pixel, 0.0, options);
+    [b, c].into_iter().fold(a, |most, part| if part.0 > most.0 { part } else { most }).1
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::tile::{Tile, onto};
 use crate::atlas::Atlas;
+use crate::compare::source::{Origin, Sourced, steps};
 use crate::exemplar::{ChannelSet, Exemplar};
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::{SurfaceTexture, Texel};
@@ -33,6 +34,18 @@ impl<'a> Tiling<'a> {
         let right = ((q - p) * e.y - (r - p) * d.y) * side;
         let down = ((r - p) * d.x - (q - p) * e.x) * side;
         [right, down].map(|v| v.normalize_or_zero().as_vec3())
+    }
+}
+
+impl Sourced for Tiling<'_> {
+    fn origin(&self, at: SurfacePoint) -> Option<Origin> {
+        let pixels = f64::from(self.tile.pixel(Vec2::X).x) / self.density.max(f64::MIN_POSITIVE);
+        let corners = self.atlas.face_texels(at.face).map(|p| p * pixels);
+        let bary = at.bary.as_dvec3();
+        let place = corners[0] * bary.x + corners[1] * bary.y + corners[2] * bary.z;
+        let steps = steps(self.mesh.corners(at.face), corners)?;
+        let pixel = place.rem_euclid(self.tile.size().as_dvec2());
+        Some(Origin { pixel, right: steps[0].normalize_or_zero(), steps: Some(steps) })
     }
 }
 

@@ -3,12 +3,13 @@
 //! Based on: R. Geiss, "Generating Complex Procedural Terrains Using the GPU", GPU Gems 3, chapter 1, 2007, section 1.5; with the
 //! sharpened weights that are common today. Planes are laid so that up in the exemplar is up in the world on the four sides.
 
-use super::hex::{HexOptions, hex_texel};
+use super::hex::{HexOptions, hex_place, hex_texel};
 use super::tile::{Tile, mean, onto};
+use crate::compare::source::{Origin, Sourced, steps};
 use crate::exemplar::{ChannelSet, Exemplar};
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::{SurfaceTexture, Texel};
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 
 /// How a plane is filled.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -54,12 +55,40 @@ impl<'a> Triplanar<'a> {
         Self { mesh, normals: mesh.vertex_normals(), tile: Tile::new(exemplar, scale), options }
     }
 
+    /// The normal of the smooth surface at a point.
+    fn smooth(&self, at: SurfacePoint, flat: Vec3) -> Vec3 {
+        let corners = self.mesh.faces[at.face as usize].map(|v| self.normals[v as usize]);
+        (corners[0] * at.bary.x + corners[1] * at.bary.y + corners[2] * at.bary.z).normalize_or(flat)
+    }
+
     /// The weight of each axis at a smooth normal; they add up to one.
     #[must_use]
     pub fn weights(&self, smooth: Vec3) -> [f32; 3] {
         let powers = smooth.abs().to_array().map(|c| c.powf(self.options.power));
         let sum: f32 = powers.iter().sum();
         powers.map(|w| if sum > 0.0 { w / sum } else { 1.0 / 3.0 })
+    }
+}
+
+impl Sourced for Triplanar<'_> {
+    /// That of the plane that weighs most.
+    fn origin(&self, at: SurfacePoint) -> Option<Origin> {
+        let smooth = self.smooth(at, self.mesh.normal(at.face).as_vec3());
+        let weights = self.weights(smooth);
+        let axis = (0..3).fold(0, |most, axis| if weights[axis] > weights[most] { axis } else { most });
+        let directions = plane(axis, 1.0_f32.copysign(smooth[axis])).map(Vec3::as_dvec3);
+        let unit = f64::from(self.tile.pixel(Vec2::X).x);
+        let corners = self.mesh.corners(at.face);
+        let bary = at.bary.as_dvec3();
+        let places = corners.map(|p| DVec2::new(p.dot(directions[0]), p.dot(directions[1])) * unit);
+        let place = places[0] * bary.x + places[1] * bary.y + places[2] * bary.z;
+        let pixel = match &self.options.sheet {
+            Sheet::Plain => place,
+            Sheet::Hex(options) => hex_place(&self.tile, place.as_vec2(), options).as_dvec2(),
+        };
+        let steps = steps(corners, places)?;
+        let pixel = pixel.rem_euclid(self.tile.size().as_dvec2());
+        Some(Origin { pixel, right: steps[0].normalize_or_zero(), steps: Some(steps) })
     }
 }
 
@@ -79,8 +108,7 @@ impl SurfaceTexture for Triplanar<'_> {
 
     fn texel(&self, at: SurfacePoint, footprint: f32) -> Texel {
         let flat = self.mesh.normal(at.face).as_vec3();
-        let corners = self.mesh.faces[at.face as usize].map(|v| self.normals[v as usize]);
-        let smooth = (corners[0] * at.bary.x + corners[1] * at.bary.y + corners[2] * at.bary.z).normalize_or(flat);
+        let smooth = self.smooth(at, flat);
         let p = self.mesh.position(at).as_vec3();
         let lod = self.tile.lod(footprint);
         let parts: Vec<(f32, Texel)> = self

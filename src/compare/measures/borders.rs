@@ -67,22 +67,59 @@ fn step(a: [f32; 3], b: [f32; 3]) -> f64 {
     (0..3).map(|k| f64::from(a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Steps from each pixel of the pieces to the next, right and down, rising.
-fn own_steps(exemplar: &Pieces) -> Vec<f64> {
-    let side = exemplar.side;
-    let mut all = Vec::new();
-    for piece in &exemplar.data {
-        for i in 0..side * side {
-            if i % side + 1 < side {
-                all.push(step(piece[i], piece[i + 1]));
-            }
-            if i + side < side * side {
-                all.push(step(piece[i], piece[i + side]));
+/// The exemplar's own steps from pixel to pixel, right and down.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OwnSteps {
+    mean: f64,
+    /// 99 % are smaller.
+    large: f64,
+}
+
+impl OwnSteps {
+    /// Of pieces of an exemplar; `None` without any.
+    #[must_use]
+    pub fn new(exemplar: &Pieces) -> Option<Self> {
+        let side = exemplar.side;
+        let mut all = Vec::new();
+        for piece in &exemplar.data {
+            for i in 0..side * side {
+                if i % side + 1 < side {
+                    all.push(step(piece[i], piece[i + 1]));
+                }
+                if i + side < side * side {
+                    all.push(step(piece[i], piece[i + side]));
+                }
             }
         }
+        all.sort_by(f64::total_cmp);
+        let large = *all.get((all.len().checked_sub(1)? as f64 * LARGE) as usize)?;
+        Some(Self { mean: all.iter().sum::<f64>() / all.len() as f64, large })
     }
-    all.sort_by(f64::total_cmp);
-    all
+
+    /// How visible borders with such steps across them are.
+    #[must_use]
+    pub fn visibility(&self, across: &[f64]) -> SeamVisibility {
+        let places = across.len();
+        if places == 0 {
+            return SeamVisibility::default();
+        }
+        SeamVisibility {
+            places,
+            ratio: across.iter().sum::<f64>() / places as f64 / self.mean.max(f64::MIN_POSITIVE),
+            beyond: across.iter().filter(|&&s| s > self.large).count() as f64 / places as f64,
+        }
+    }
+}
+
+/// How much colours change across each border over one pixel, `pixel` world units long.
+#[must_use]
+pub fn steps_across(mesh: &Mesh, texture: &dyn SurfaceTexture, borders: &[Border], pixel: f64) -> Vec<f64> {
+    let color = |at: SurfacePoint| texture.texel(at, 0.0).base_color.to_array().map(srgb::encode);
+    let across = |border: &Border| {
+        let half = border.across.normalize_or_zero() * (0.5 * pixel);
+        step(color(walk(mesh, border.at, -half)), color(walk(mesh, border.at, half)))
+    };
+    borders.par_iter().map(across).collect()
 }
 
 /// How visible borders are on a surface; `pixel` is the world length of a pixel of the exemplar, of which there are pieces. Zero
@@ -95,21 +132,5 @@ pub fn seam_visibility(
     pixel: f64,
     exemplar: &Pieces,
 ) -> SeamVisibility {
-    let own = own_steps(exemplar);
-    if own.is_empty() || borders.is_empty() {
-        return SeamVisibility::default();
-    }
-    let color = |at: SurfacePoint| texture.texel(at, 0.0).base_color.to_array().map(srgb::encode);
-    let across = |border: &Border| {
-        let half = border.across.normalize_or_zero() * (0.5 * pixel);
-        step(color(walk(mesh, border.at, -half)), color(walk(mesh, border.at, half)))
-    };
-    let steps: Vec<f64> = borders.par_iter().map(across).collect();
-    let large = own[((own.len() - 1) as f64 * LARGE) as usize];
-    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
-    SeamVisibility {
-        places: borders.len(),
-        ratio: mean(&steps) / mean(&own).max(f64::MIN_POSITIVE),
-        beyond: steps.iter().filter(|&&s| s > large).count() as f64 / steps.len() as f64,
-    }
+    OwnSteps::new(exemplar).map_or_else(SeamVisibility::default, |own| own.visibility(&steps_across(mesh, texture, borders, pixel)))
 }

@@ -12,38 +12,38 @@
 //! | `histogram` | how far colours must be moved to have the exemplar's distribution, steps of eight bits | where colours lie |
 //! | `repetition` | the largest autocorrelation beyond 40 pixels | everything else |
 //!
-//! Borders have a measure of their own: [`seam_visibility`].
+//! Borders have a measure of their own: [`seam_visibility`]. What colours cannot tell, the place that each pixel was copied from does:
+//! [`mapping()`].
 //!
 //! None of them is a verdict. Each comes with its floor: the same between one half of the exemplar and the other, which a
 //! perfect result cannot be expected to beat.
 
 mod borders;
+mod errors;
 mod histogram;
+mod mapping;
 mod patches;
 mod pieces;
+mod reference;
 mod sliced;
 mod spectrum;
 
-pub use borders::{Border, SeamVisibility, chart_borders, seam_visibility};
-pub use histogram::histogram_distance;
-pub use patches::{Spread, coherence};
-pub use pieces::{Pieces, Placed, of_image, of_surface};
-pub use sliced::sliced_wasserstein;
+pub use borders::{Border, OwnSteps, SeamVisibility, chart_borders, seam_visibility, steps_across};
+pub use errors::ErrorMap;
+pub use histogram::{Histogram, histogram_distance};
+pub use mapping::{Extreme, Extremes, Mapped, Mapping, breaks, mapping};
+pub use patches::{Known, Spread, coherence};
+pub use pieces::{ByArea, Pieces, Placed, of_image, of_surface};
+pub use reference::Reference;
+pub use sliced::{Sliced, sliced_wasserstein};
 pub use spectrum::{laplacian_energy, repetition};
 
-use crate::exemplar::{Exemplar, Wrap};
+use crate::exemplar::Exemplar;
+use crate::mesh::walk::Walker;
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::SurfaceTexture;
 use glam::DVec3;
 use serde::Serialize;
-
-/// Pieces that are compared.
-const PIECES: usize = 1500;
-/// Their side, pixels: 7 on the coarsest of three levels.
-const SIDE: usize = 28;
-/// Larger pieces that repetition is looked for in, and their side.
-const LARGE: usize = 12;
-const LARGE_SIDE: usize = 120;
 
 /// The measures of one set of pieces against another.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
@@ -72,20 +72,6 @@ pub struct Fidelity {
     pub floor: Measured,
 }
 
-/// Measures pieces against an exemplar's.
-#[must_use]
-pub fn measured(result: &Pieces, large: &Pieces, exemplar: &Pieces) -> Measured {
-    let (coherence, completeness) = coherence(result, exemplar);
-    Measured {
-        swd: sliced_wasserstein(result, exemplar),
-        coherence,
-        completeness,
-        energy: laplacian_energy(result) / laplacian_energy(exemplar).max(f64::MIN_POSITIVE),
-        repetition: repetition(large),
-        histogram: histogram_distance(result, exemplar),
-    }
-}
-
 /// How much a texture on a surface looks like its exemplar. `right` gives the direction of texture right at a point, `pixel` is
 /// the world length of a pixel of the exemplar.
 #[must_use]
@@ -96,14 +82,6 @@ pub fn fidelity(
     pixel: f64,
     exemplar: &Exemplar,
 ) -> Fidelity {
-    let at = Placed { mesh, texture, right, pixel };
-    let result = of_surface(&at, SIDE, PIECES, 1);
-    let large = of_surface(&at, LARGE_SIDE, LARGE, 2);
-    let whole = of_image(exemplar, SIDE, PIECES, 3, [0.0, 1.0]);
-    let halves = [(4, [0.0, 0.5]), (5, [0.5, 1.0])].map(|(seed, part)| of_image(exemplar, SIDE, PIECES, seed, part));
-    // Over its edges an exemplar repeats itself; that is no measure of what it holds.
-    let mut alone = exemplar.clone();
-    alone.wrap = Wrap::Clamp;
-    let floor = measured(&halves[0], &of_image(&alone, LARGE_SIDE, LARGE, 6, [0.0, 1.0]), &halves[1]);
-    Fidelity { result: measured(&result, &large, &whole), floor }
+    let reference = Reference::new(exemplar);
+    Fidelity { result: reference.measure(&Placed { on: &Walker::new(mesh), texture, right, pixel }, 1), floor: reference.floor }
 }

@@ -5,11 +5,14 @@ use crate::numeric::pca::Pca;
 use crate::numeric::rows::{Exhaustive, Rows};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Side of a patch, pixels.
-const PATCH: usize = 11;
+pub(super) const PATCH: usize = 11;
 /// Principal components of the exemplar's patches.
 const KEPT: usize = 32;
+/// One in so many patches is enough to find the components.
+const FEW: usize = 4;
 /// Patches cut from each piece, along each of its sides.
 const ALONG: usize = 3;
 
@@ -24,21 +27,60 @@ pub struct Spread {
     pub p99: f64,
 }
 
+/// The exemplar's patches, ready to be asked for the nearest.
+#[derive(Debug)]
+pub struct Known {
+    pca: Arc<Pca>,
+    search: Exhaustive,
+}
+
+impl Known {
+    /// Finds principal components and lays the patches out. `None` without pieces.
+    #[must_use]
+    pub fn new(exemplar: &Pieces) -> Option<Self> {
+        if exemplar.data.is_empty() {
+            return None;
+        }
+        let all = patches(exemplar);
+        let few: Vec<u32> = (0..all.len() as u32).step_by(FEW).collect();
+        let pca = Arc::new(Pca::new(&all.select(&few), KEPT));
+        let search = Exhaustive::new(pca.project_all(&all));
+        Some(Self { pca, search })
+    }
+
+    /// Other pieces by the same components. `None` without pieces.
+    #[must_use]
+    pub fn others(&self, pieces: &Pieces) -> Option<Self> {
+        let search = || Exhaustive::new(self.pca.project_all(&patches(pieces)));
+        (!pieces.data.is_empty()).then(|| Self { pca: Arc::clone(&self.pca), search: search() })
+    }
+
+    /// The distance of each patch asked, rows of [`Pieces::middles`], to the nearest; colour steps, root mean square over a patch.
+    #[must_use]
+    pub fn distances(&self, asked: &Rows) -> Vec<f64> {
+        distances(&self.search, &self.pca.project_all(asked), asked.dims())
+    }
+}
+
 /// Distances from each patch of the result to the nearest of the exemplar, and the other way round, in colour steps (root mean
-/// square over a patch).
+/// square over a patch). `known` holds the exemplar's patches.
 #[must_use]
-pub fn coherence(result: &Pieces, exemplar: &Pieces) -> (Spread, Spread) {
-    if result.data.is_empty() || exemplar.data.is_empty() {
+pub(super) fn coherence_to(result: &Pieces, exemplar: &Pieces, known: &Known) -> (Spread, Spread) {
+    if result.data.is_empty() {
         return (NOTHING, NOTHING);
     }
     // The middle of each result piece is asked; whatever lies anywhere in the exemplar's pieces may answer.
-    let asked = result.middles(PATCH);
-    let all = patches(exemplar);
-    let pca = Pca::new(&all, KEPT);
-    let there = spread(&pca.project_all(&all), &pca.project_all(&asked), asked.dims());
+    let there = spread(known.distances(&result.middles(PATCH)));
     let asked = exemplar.middles(PATCH);
-    let back = spread(&pca.project_all(&patches(result)), &pca.project_all(&asked), asked.dims());
+    let found = Exhaustive::new(known.pca.project_all(&patches(result)));
+    let back = spread(distances(&found, &known.pca.project_all(&asked), asked.dims()));
     (there, back)
+}
+
+/// The same for an exemplar that is asked once.
+#[must_use]
+pub fn coherence(result: &Pieces, exemplar: &Pieces) -> (Spread, Spread) {
+    Known::new(exemplar).map_or((NOTHING, NOTHING), |known| coherence_to(result, exemplar, &known))
 }
 
 const NOTHING: Spread = Spread { mean: f64::NAN, p95: f64::NAN, p99: f64::NAN };
@@ -57,14 +99,16 @@ fn patches(pieces: &Pieces) -> Rows {
     out
 }
 
-fn spread(of: &Rows, asked: &Rows, dims: usize) -> Spread {
-    let search = Exhaustive::new(of.clone());
+fn distances(search: &Exhaustive, asked: &Rows, dims: usize) -> Vec<f64> {
     let indices: Vec<u32> = (0..asked.len() as u32).collect();
-    let mut found: Vec<f64> = indices
+    indices
         .par_chunks(64)
         .flat_map_iter(|chunk| search.nearest(&asked.select(chunk)))
         .map(|near| (near.squared / dims as f64).sqrt())
-        .collect();
+        .collect()
+}
+
+fn spread(mut found: Vec<f64>) -> Spread {
     found.sort_by(f64::total_cmp);
     let at = |share: f64| found[((found.len() - 1) as f64 * share).round() as usize];
     Spread { mean: found.iter().sum::<f64>() / found.len() as f64, p95: at(0.95), p99: at(0.99) }

@@ -1,7 +1,7 @@
 //! Pieces of a texture: squares of pixels cut from a surface or from an image, in the same way.
 
 use crate::exemplar::{Channel, Exemplar, Wrap, srgb};
-use crate::mesh::walk::walk;
+use crate::mesh::walk::Walker;
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::random::Random;
 use crate::surface::SurfaceTexture;
@@ -21,7 +21,7 @@ pub struct Pieces {
 #[derive(Clone, Copy)]
 pub struct Placed<'a> {
     /// The surface.
-    pub mesh: &'a Mesh,
+    pub on: &'a Walker<'a>,
     /// What it shows.
     pub texture: &'a dyn SurfaceTexture,
     /// Texture right at a point; need not be unit or tangent.
@@ -36,34 +36,67 @@ fn offsets(side: usize) -> impl Iterator<Item = [f64; 2]> {
     (0..side * side).map(move |i| [(i % side) as f64 - middle, (i / side) as f64 - middle])
 }
 
-/// Pieces around points spread over a surface by area; each pixel lies straight ahead from its point.
-#[must_use]
-pub fn of_surface(at: &Placed, side: usize, count: usize, seed: u64) -> Pieces {
-    let mut sums = Vec::with_capacity(at.mesh.face_count());
-    let mut sum = 0.0;
-    for f in 0..at.mesh.face_count() as u32 {
-        sum += at.mesh.area(f);
-        sums.push(sum);
+/// Points spread over a surface by area.
+#[derive(Debug, Clone)]
+pub struct ByArea {
+    /// Areas of the faces up to each one.
+    sums: Vec<f64>,
+}
+
+impl ByArea {
+    /// Sums up the areas.
+    #[must_use]
+    pub fn new(mesh: &Mesh) -> Self {
+        let sum = |sum: &mut f64, f: u32| {
+            *sum += mesh.area(f);
+            Some(*sum)
+        };
+        Self { sums: (0..mesh.face_count() as u32).scan(0.0, sum).collect() }
     }
-    let one = |k: usize| -> Vec<[f32; 3]> {
-        let mut random = Random::new(seed, k as u64);
-        let area = random.range(0.0, sum);
-        let face = (sums.partition_point(|&s| s <= area) as u32).min(at.mesh.face_count() as u32 - 1);
+
+    /// The next point; a mesh without faces has none.
+    pub fn draw(&self, random: &mut Random) -> Option<SurfacePoint> {
+        let area = random.range(0.0, *self.sums.last()?);
+        let face = (self.sums.partition_point(|&s| s <= area) as u32).min(self.sums.len() as u32 - 1);
         // Uniform on a triangle: the half of the square beyond the diagonal is folded back.
         let (u, v) = (random.unit(), random.unit());
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        let point = SurfacePoint { face, bary: Vec3::new((1.0 - u - v) as f32, u as f32, v as f32) };
-        let normal = at.mesh.normal(face);
-        let right = (at.right)(point);
-        let right = (right - normal * right.dot(normal)).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-        let down = right.cross(normal);
+        Some(SurfacePoint { face, bary: Vec3::new((1.0 - u - v) as f32, u as f32, v as f32) })
+    }
+
+    /// So many points, each by its own stream of a seed.
+    #[must_use]
+    pub fn points(&self, count: usize, seed: u64) -> Vec<SurfacePoint> {
+        (0..count).filter_map(|k| self.draw(&mut Random::new(seed, k as u64))).collect()
+    }
+}
+
+/// The directions of a piece at a point, right and down, unit.
+pub(super) fn directions(at: &Placed, point: SurfacePoint) -> [DVec3; 2] {
+    let normal = at.on.mesh().normal(point.face);
+    let right = (at.right)(point);
+    let right = (right - normal * right.dot(normal)).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
+    [right, right.cross(normal)]
+}
+
+/// Pieces around points spread over a surface by area; each pixel lies straight ahead from its point.
+#[must_use]
+pub fn of_surface(at: &Placed, side: usize, count: usize, seed: u64) -> Pieces {
+    around(at, side, &ByArea::new(at.on.mesh()).points(count, seed))
+}
+
+/// Pieces around given points.
+#[must_use]
+pub(super) fn around(at: &Placed, side: usize, points: &[SurfacePoint]) -> Pieces {
+    let one = |&point: &SurfacePoint| -> Vec<[f32; 3]> {
+        let [right, down] = directions(at, point);
         let pixel = |[x, y]: [f64; 2]| {
-            let there = walk(at.mesh, point, (right * x + down * y) * at.pixel);
-            at.texture.texel(there, 0.0).base_color.to_array().map(srgb::encode)
+            let there = at.on.walk(point, (right * x + down * y) * at.pixel);
+            at.texture.texel(there, 0.0).base_color.to_array().map(srgb::encode_near)
         };
         offsets(side).map(pixel).collect()
     };
-    Pieces { side, data: if at.mesh.face_count() == 0 { Vec::new() } else { (0..count).into_par_iter().map(one).collect() } }
+    Pieces { side, data: points.par_iter().map(one).collect() }
 }
 
 /// Pieces of an exemplar, between its pixels as those of a surface are; from the part of its width between two shares. No
@@ -92,7 +125,7 @@ pub fn of_image(exemplar: &Exemplar, side: usize, count: usize, seed: u64, part:
     let one = |k: usize| -> Vec<[f32; 3]> {
         let mut random = Random::new(seed, k as u64);
         let (x, y) = (random.range(low[0], high[0]), random.range(low[1], high[1]));
-        offsets(side).map(|[dx, dy]| at(x + dx, y + dy).to_array().map(srgb::encode)).collect()
+        offsets(side).map(|[dx, dy]| at(x + dx, y + dy).to_array().map(srgb::encode_near)).collect()
     };
     Pieces { side, data: (0..count).into_par_iter().map(one).collect() }
 }

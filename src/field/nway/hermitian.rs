@@ -2,8 +2,13 @@
 //!
 //! Based on: Vanek, Mandel, Brezina, "Algebraic multigrid by smoothed aggregation", 1996, as in [`crate::numeric::multigrid`]; here
 //! entries are complex, and what is constant on an aggregate is a direction carried out from its first node.
+//!
+//! Sweeps are those of Gauss and Seidel within blocks of a fixed number of rows, which know of each other what was there before
+//! (Jacobi): several threads work, and the answer does not depend on how many. Down before the coarser level, up after it, so that a
+//! cycle stays Hermitian.
 
 use glam::DVec2;
+use rayon::prelude::*;
 
 /// Damping of the step that smooths the prolongation.
 const SMOOTHING: f64 = 2.0 / 3.0;
@@ -11,6 +16,8 @@ const SMOOTHING: f64 = 2.0 / 3.0;
 const COARSEST: usize = 48;
 /// Levels of fewer nodes than this need no coarser one.
 const SMALL: usize = 40;
+/// Rows of a block.
+const BLOCK: usize = 4096;
 /// A level that shrinks less than this is the last.
 const SHRINK: f64 = 0.7;
 
@@ -29,7 +36,12 @@ pub(super) fn conjugate(a: DVec2) -> DVec2 {
 
 /// The inner product, linear in the second.
 pub(super) fn inner(a: &[DVec2], b: &[DVec2]) -> DVec2 {
-    a.iter().zip(b).map(|(&a, &b)| conjugate(a).rotate(b)).sum()
+    let of_block = |(a, b): (&[DVec2], &[DVec2])| -> DVec2 { a.iter().zip(b).map(|(&a, &b)| conjugate(a).rotate(b)).sum() };
+    if a.len() <= BLOCK {
+        return of_block((a, b));
+    }
+    let sums: Vec<DVec2> = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).map(of_block).collect();
+    sums.into_iter().sum()
 }
 
 impl Matrix {
@@ -62,7 +74,9 @@ impl Matrix {
     }
 
     pub(super) fn times(&self, x: &[DVec2]) -> Vec<DVec2> {
-        (0..self.rows()).map(|r| self.row_times(r, x)).collect()
+        let mut out = vec![DVec2::ZERO; self.rows()];
+        blocks(&mut out, |first, block| block.iter_mut().zip(first..).for_each(|(o, r)| *o = self.row_times(r, x)));
+        out
     }
 
     fn diagonal(&self) -> Vec<f64> {
@@ -179,28 +193,55 @@ fn scale(x: &mut [DVec2]) {
     }
 }
 
+/// Does a piece of work on each block of a vector: the number of its first entry and its entries.
+fn blocks(x: &mut [DVec2], work: impl Fn(usize, &mut [DVec2]) + Sync) {
+    if x.len() <= BLOCK {
+        work(0, x);
+    } else {
+        x.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| work(k * BLOCK, block));
+    }
+}
+
 fn cycle(levels: &[Level], rhs: &[DVec2]) -> Vec<DVec2> {
     let Level { matrix, diagonal, prolong, restrict } = &levels[0];
     let n = matrix.rows();
     let mut x = vec![DVec2::ZERO; n];
-    let sweep = |x: &mut [DVec2], i: usize| {
-        let residual = rhs[i] - matrix.row_times(i, x);
-        x[i] += residual / diagonal[i];
-    };
     let (Some(prolong), Some(restrict)) = (prolong, restrict) else {
+        let mut sweep = |i: usize| {
+            let residual = rhs[i] - matrix.row_times(i, &x);
+            x[i] += residual / diagonal[i];
+        };
         for _ in 0..COARSEST {
-            (0..n).for_each(|i| sweep(&mut x, i));
-            (0..n).rev().for_each(|i| sweep(&mut x, i));
+            (0..n).for_each(&mut sweep);
+            (0..n).rev().for_each(&mut sweep);
         }
         return x;
     };
-    (0..n).for_each(|i| sweep(&mut x, i));
-    let residual: Vec<DVec2> = (0..n).map(|i| rhs[i] - matrix.row_times(i, &x)).collect();
+    // Down, from nothing: rows further down and other blocks are still zero.
+    blocks(&mut x, |first, block| {
+        for i in 0..block.len() {
+            let known = first..first + i;
+            let done: DVec2 =
+                matrix.row(first + i).filter(|(c, _)| known.contains(c)).map(|(c, v)| v.rotate(block[c - first])).sum();
+            block[i] = (rhs[first + i] - done) / diagonal[first + i];
+        }
+    });
+    let mut residual = vec![DVec2::ZERO; n];
+    blocks(&mut residual, |first, block| {
+        block.iter_mut().zip(first..).for_each(|(r, i)| *r = rhs[i] - matrix.row_times(i, &x));
+    });
     let coarse = cycle(&levels[1..], &restrict.times(&residual));
-    for (i, x) in x.iter_mut().enumerate() {
-        *x += prolong.row_times(i, &coarse);
-    }
-    (0..n).rev().for_each(|i| sweep(&mut x, i));
+    blocks(&mut x, |first, block| block.iter_mut().zip(first..).for_each(|(x, i)| *x += prolong.row_times(i, &coarse)));
+    // Up.
+    let before = x.clone();
+    blocks(&mut x, |first, block| {
+        let own = first..first + block.len();
+        for i in (0..block.len()).rev() {
+            let at = |c: usize| if own.contains(&c) { block[c - first] } else { before[c] };
+            let known: DVec2 = matrix.row(first + i).map(|(c, v)| v.rotate(at(c))).sum();
+            block[i] += (rhs[first + i] - known) / diagonal[first + i];
+        }
+    });
     x
 }
 
@@ -261,7 +302,9 @@ fn prolongation(matrix: &Matrix, diagonal: &[f64]) -> Option<Matrix> {
 pub(super) fn solve(grid: &Multigrid, diagonal: &[f64], rhs: &[DVec2], x: &mut [DVec2], tolerance: f64, most: usize) -> usize {
     let times = |x: &[DVec2]| {
         let mut out = grid.matrix().times(x);
-        out.iter_mut().zip(x).zip(diagonal).for_each(|((o, &x), &d)| *o += x * d);
+        blocks(&mut out, |first, block| {
+            block.iter_mut().zip(&x[first..]).zip(&diagonal[first..]).for_each(|((o, &x), &d)| *o += x * d);
+        });
         out
     };
     let product = times(x);
@@ -280,14 +323,12 @@ pub(super) fn solve(grid: &Multigrid, diagonal: &[f64], rhs: &[DVec2], x: &mut [
             return iteration;
         }
         let step = rz / bent;
-        for i in 0..x.len() {
-            x[i] += direction[i] * step;
-            r[i] -= product[i] * step;
-        }
+        blocks(x, |first, block| block.iter_mut().zip(&direction[first..]).for_each(|(x, &d)| *x += d * step));
+        blocks(&mut r, |first, block| block.iter_mut().zip(&product[first..]).for_each(|(r, &p)| *r -= p * step));
         z = grid.apply(&r);
         let new = inner(&r, &z).x;
         let share = if rz > 0.0 { new / rz } else { 0.0 };
-        direction.iter_mut().zip(&z).for_each(|(d, &z)| *d = z + *d * share);
+        blocks(&mut direction, |first, block| block.iter_mut().zip(&z[first..]).for_each(|(d, &z)| *d = z + *d * share));
         rz = new;
     }
     most

@@ -123,6 +123,7 @@ pub struct NWaySolver<'m> {
     grid: Multigrid,
     component: Vec<u32>,
     components: usize,
+    curvature: Vec<f64>,
 }
 
 impl<'m> NWaySolver<'m> {
@@ -140,7 +141,8 @@ impl<'m> NWaySolver<'m> {
             matrix.end_row();
         }
         let (component, components) = components(&table);
-        Self { mesh, n, table, grid: Multigrid::new(matrix), component, components }
+        let curvature = index::curvature(mesh, over);
+        Self { mesh, n, table, grid: Multigrid::new(matrix), component, components, curvature }
     }
 
     /// The field for some wishes (empty for none).
@@ -191,7 +193,7 @@ impl<'m> NWaySolver<'m> {
     /// The singularities of a field over this solver's nodes.
     #[must_use]
     pub fn singularities(&self, field: &NWayField) -> Vec<NWaySingularity> {
-        index::singularities(self.mesh, &self.table, self.n, &field.powers)
+        index::singularities(self.mesh, &self.table, &self.curvature, self.n, &field.powers)
     }
 
     /// One of the directions at each node.
@@ -352,14 +354,16 @@ mod tests {
     }
 
     #[test]
-    fn the_smooth_start_is_lower_than_where_relaxation_from_noise_ends() {
+    fn the_smooth_start_is_about_as_low_as_where_relaxation_from_noise_ends_and_relaxed_no_higher() {
         let mesh = shapes::torus(40, 24, 1.0, 0.5);
         for n in [1, 2, 4] {
             let solver = NWaySolver::new(&mesh, Over::Vertices, n);
             let (smooth, _) = solver.solve(&[], &NWayOptions { smooth: false, ..Default::default() }, &Silent);
+            let (relaxed, _) = solver.solve(&[], &NWayOptions::default(), &Silent);
             let (noise, _) = solver.solve(&[], &NWayOptions { start: Start::Random, ..Default::default() }, &Silent);
             let error = |f: &NWayField| energy(&solver.table, n, &f.powers, &[], Measure::Smooth);
-            assert!(error(&smooth) <= 1.05 * error(&noise), "n {n}: {} and {}", error(&smooth), error(&noise));
+            let errors = [&smooth, &relaxed, &noise].map(error);
+            assert!(errors[0] <= 1.1 * errors[2] && errors[1] <= 1.01 * errors[2], "n {n}: {errors:?}");
         }
     }
 }

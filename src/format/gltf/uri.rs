@@ -3,6 +3,8 @@
 use super::accessor::Data;
 use super::document::Document;
 use crate::format::error::Problem;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use base64::{Engine, alphabet};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -73,47 +75,21 @@ fn decode_data(uri: &str) -> Option<Vec<u8>> {
 
 /// `%20` and its like as characters; anything malformed stays as it is.
 fn percent_decode(text: &str) -> String {
-    let bytes = text.as_bytes();
-    let mut out = Vec::with_capacity(bytes.len());
-    let mut at = 0;
-    while at < bytes.len() {
-        let digit = |k: usize| bytes.get(at + k).and_then(|&b| char::from(b).to_digit(16));
-        match (bytes[at], digit(1), digit(2)) {
-            (b'%', Some(high), Some(low)) => {
-                out.push((16 * high + low) as u8);
-                at += 3;
-            }
-            (other, ..) => {
-                out.push(other);
-                at += 1;
-            }
-        }
-    }
-    String::from_utf8(out).unwrap_or_else(|_| text.to_owned())
+    percent_encoding::percent_decode_str(text).decode_utf8().map_or_else(|_| text.to_owned(), Cow::into_owned)
 }
 
-/// Base64 in its usual or its URL alphabet; blanks and padding are skipped.
+/// Base64 in its usual or its URL alphabet; blanks and padding are skipped, bits that are left over too.
 fn decode_base64(text: &[u8]) -> Option<Vec<u8>> {
-    let mut out = Vec::with_capacity(text.len() / 4 * 3);
-    let (mut bits, mut held) = (0_u32, 0);
-    for &c in text {
-        let value = match c {
-            b'A'..=b'Z' => c - b'A',
-            b'a'..=b'z' => c - b'a' + 26,
-            b'0'..=b'9' => c - b'0' + 52,
-            b'+' | b'-' => 62,
-            b'/' | b'_' => 63,
-            b'=' | b' ' | b'\n' | b'\r' => continue,
-            _ => return None,
-        };
-        bits = bits << 6 | u32::from(value);
-        held += 6;
-        if held >= 8 {
-            held -= 8;
-            out.push((bits >> held) as u8);
-        }
-    }
-    Some(out)
+    let usual = |&c: &u8| match c {
+        b'=' | b' ' | b'\n' | b'\r' => None,
+        b'-' => Some(b'+'),
+        b'_' => Some(b'/'),
+        c => Some(c),
+    };
+    let lenient =
+        GeneralPurposeConfig::new().with_decode_allow_trailing_bits(true).with_decode_padding_mode(DecodePaddingMode::RequireNone);
+    let plain: Vec<u8> = text.iter().filter_map(usual).collect();
+    GeneralPurpose::new(&alphabet::STANDARD, lenient).decode(plain).ok()
 }
 
 #[cfg(test)]

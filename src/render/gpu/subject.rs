@@ -62,6 +62,8 @@ impl Renderer {
         self.gpu.check()?;
         let mut subject = Subject { shape, lists, patches: Arc::clone(&patches), named };
         subject.set_patches(patches)?;
+        // What was written goes to the device now, by this thread, not with the next frame of another one.
+        self.gpu.queue.submit([]);
         Ok(subject)
     }
 

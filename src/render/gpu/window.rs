@@ -53,6 +53,9 @@ impl Step {
     }
 }
 
+/// What wgpu says of a device that works for other threads for so long that its surface cannot be configured now. A later frame can.
+const BUSY: &str = "wait for GPU to come idle";
+
 /// A window's surface.
 #[derive(Debug)]
 pub struct Window<'w> {
@@ -108,6 +111,12 @@ impl<'w> Window<'w> {
         self.stale = true;
     }
 
+    /// True if the surface is to be configured before the next frame, which should come soon.
+    #[must_use]
+    pub const fn is_stale(&self) -> bool {
+        self.stale
+    }
+
     /// The texture for the next frame, to be drawn onto (see [`super::Screen::draw`]) and presented; `None` if there is nothing to be
     /// drawn now.
     ///
@@ -120,7 +129,13 @@ impl<'w> Window<'w> {
         for again in [false, true] {
             if self.stale || again {
                 [self.config.width, self.config.height] = self.size.map(|s| s.min(self.longest));
+                let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
                 self.surface.configure(device, &self.config);
+                if let Some(error) = pollster::block_on(scope.pop()) {
+                    let reason = error.to_string();
+                    self.stale = true;
+                    return if reason.contains(BUSY) { Ok(None) } else { Err(GpuError::Refused { reason }) };
+                }
                 self.stale = false;
             }
             let (status, texture) = match self.surface.get_current_texture() {

@@ -13,7 +13,7 @@ mod stretch;
 mod wireframe;
 
 pub use charts::ChartColors;
-pub use palette::distinct;
+pub use palette::{distinct, sequential};
 
 use super::RenderError;
 use super::picture::Picture;

@@ -46,7 +46,8 @@ pub fn distinct(n: u32) -> Vec3 {
 }
 
 /// The sequential scale at 0 (little) to 1 (much), linear light.
-pub(super) fn sequential(t: f32) -> Vec3 {
+#[must_use]
+pub fn sequential(t: f32) -> Vec3 {
     along(&SEQUENCE, t)
 }
 

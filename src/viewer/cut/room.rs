@@ -7,7 +7,7 @@ use crate::job::paste::default_feather;
 use crate::job::project::{Link, ProjectExemplar, Shape};
 use crate::viewer::library::OpenExemplar;
 use crate::viewer::worker::Lane;
-use egui::{ColorImage, Context, TextureHandle, TextureOptions, Ui};
+use egui::{ColorImage, ComboBox, Context, TextureHandle, TextureOptions, Ui};
 use glam::Vec2;
 use std::sync::Arc;
 
@@ -55,6 +55,8 @@ pub struct CutRoom {
 pub enum Wanted {
     /// These shapes for the exemplar.
     Shapes(Vec<Shape>),
+    /// To cut from another of the project's exemplars.
+    Exemplar(usize),
     /// To close it.
     Close,
 }
@@ -137,12 +139,12 @@ impl CutRoom {
         }
     }
 
-    /// Shows the editor with its bar. What the user wants of it.
-    pub fn show(&mut self, ui: &mut Ui, feather: Option<f32>) -> Option<Wanted> {
+    /// Shows the editor with its bar. What the user wants of it. `names` are those of the project's exemplars.
+    pub fn show(&mut self, ui: &mut Ui, feather: Option<f32>, names: &[String]) -> Option<Wanted> {
         let size = self.read.exemplar.size();
         let feather = feather.unwrap_or_else(|| default_feather(size));
         self.take(ui.ctx());
-        let mut wanted = self.bar(ui);
+        let mut wanted = self.bar(ui, names);
         let canvas = Canvas {
             picture: self.picture.as_ref().map(TextureHandle::id),
             veil: self.veil.as_ref().filter(|_| self.show_veil && !self.cutter.outlines().is_empty()).map(TextureHandle::id),
@@ -168,10 +170,20 @@ impl CutRoom {
         wanted
     }
 
-    fn bar(&mut self, ui: &mut Ui) -> Option<Wanted> {
+    fn bar(&mut self, ui: &mut Ui, names: &[String]) -> Option<Wanted> {
+        let mut index = self.index;
         let close = ui
             .horizontal_wrapped(|ui| {
                 ui.strong("Cut texture patches").on_hover_text("Outlines of texture patches drawn on the exemplar (3.1)");
+                if names.len() > 1 {
+                    let combo = ComboBox::from_id_salt("cut exemplar").selected_text(names.get(index).map_or("", String::as_str));
+                    let choice = combo.show_ui(ui, |ui| {
+                        for (i, name) in names.iter().enumerate() {
+                            ui.selectable_value(&mut index, i, name);
+                        }
+                    });
+                    choice.response.on_hover_text("Which exemplar patches are cut from; each has its own outlines");
+                }
                 let snapping = [
                     (Line::Snapped, "Snap", "The line follows the exemplar's edges; hold Shift for a straight one"),
                     (Line::Straight, "Straight", "The line is straight; drag to draw free"),
@@ -207,6 +219,9 @@ impl CutRoom {
         } else {
             ui.weak(says)
         };
+        if index != self.index {
+            return Some(Wanted::Exemplar(index));
+        }
         close.then_some(Wanted::Close)
     }
 

@@ -107,7 +107,8 @@ fn help(app: &mut App, context: &Context) {
     let window = Window::new("Help").open(&mut open).collapsible(false).resizable(false).pivot(Align2::CENTER_CENTER);
     let width = (room.width() - 60.0).min(560.0);
     window.default_pos(room.center()).default_width(width).show(context, |ui| {
-        ScrollArea::vertical().max_height(room.height() - 120.0).show(ui, |ui| {
+        let height = room.height() - 120.0;
+        ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
             Grid::new("help").num_columns(2).striped(true).spacing(vec2(18.0, 4.0)).show(ui, |ui| {
                 for (how, what) in POINTER {
                     ui.label(RichText::new(how).strong());

@@ -54,12 +54,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             rows.push(("field", ways, "Directions that look alike at each place"));
         }
         if let Some(turning) = app.side.turning(shown.number()) {
-            let ways = shown.field().map_or(1, |f| f.ways);
-            let sum = if ways > 1 {
-                format!("{} (sum {}/{ways})", turning.count, turning.sum)
-            } else {
-                format!("{} (sum {})", turning.count, turning.sum)
-            };
+            let (count, sum, ways) = (turning.points.len(), turning.sum(), turning.ways);
+            let sum = if ways > 1 { format!("{count} (sum {sum}/{ways})") } else { format!("{count} (sum {sum})") };
             rows.push((
                 "singularities",
                 sum,

@@ -89,12 +89,12 @@ fn demo(app: &mut App, ui: &mut Ui, model: &str, exemplar: &str) -> bool {
 
 /// Models to change to while one is shown, in a window of their own.
 pub(super) fn over_view(app: &mut App, ui: &Ui) {
+    let room = app.viewport.rect();
     if !app.open_panels.gallery {
         return;
     }
     let mut open = true;
     let mut chosen = None;
-    let room = ui.max_rect();
     let window = Window::new("Models").open(&mut open).resizable(false).collapsible(true).default_open(false);
     window.default_pos(room.left_top() + vec2(10.0, 10.0)).constrain_to(room).show(ui.ctx(), |ui| {
         let names: Vec<&str> = crate::assets::mesh_names().collect();

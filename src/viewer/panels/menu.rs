@@ -6,13 +6,19 @@ use super::super::mode::{Backdrop, Light, Mode};
 use egui::{Button, ComboBox, MenuBar, Ui};
 use std::path::PathBuf;
 
+/// Points across that the menus and all that stands beside them take in one row, and what the choice of each pane's mode adds.
+const ONE_ROW: f32 = 520.0;
+const PANE: f32 = 160.0;
+
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let mut asked = None;
     let mut open: Option<PathBuf> = None;
     let [undo, redo] = app.document.steps();
+    let panes = 1 + usize::from(app.viewport.split.is_some());
+    let wide = ui.available_width() >= ONE_ROW + PANE * panes as f32;
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| {
-            use Action::{ExportBaked, ExportPicture, ExportRecord, New, Open, Quit, Reload, Save, SaveAs};
+            use Action::{ExportBaked, ExportPicture, ExportRecord, ExportSynthesis, New, Open, Quit, Reload, Save, SaveAs};
             [New, Open].into_iter().for_each(|a| item(ui, a, true, &mut asked));
             ui.add_enabled_ui(!app.settings.recent.is_empty(), |ui| {
                 ui.menu_button("Open recent", |ui| {
@@ -34,6 +40,7 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             [Save, SaveAs].into_iter().for_each(|a| item(ui, a, true, &mut asked));
             ui.separator();
             [ExportPicture, ExportRecord, ExportBaked].into_iter().for_each(|a| item(ui, a, app.shown.is_some(), &mut asked));
+            item(ui, ExportSynthesis, app.synthesized().is_some(), &mut asked);
             ui.separator();
             item(ui, Quit, true, &mut asked);
         });
@@ -45,10 +52,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         });
         ui.menu_button("View", |ui| {
             use Action::{
-                Arrows, Comb, Cut, Edges, Figures, Frame, Gallery, NextMode, Singularities, Split, Streamlines, Theme, Turntable,
-                Watch,
+                Arrows, Comb, Compare, Cut, Edges, Figures, Frame, Gallery, NextMode, Singularities, Split, Streamlines, Theme,
+                Turntable, Watch,
             };
-            [Frame, Turntable, Split, NextMode].into_iter().for_each(|a| item(ui, a, true, &mut asked));
+            [Frame, Turntable, Split, NextMode, Compare].into_iter().for_each(|a| item(ui, a, true, &mut asked));
             ui.separator();
             [Comb, Cut, Watch].into_iter().for_each(|a| item(ui, a, app.shown.is_some(), &mut asked));
             ui.separator();
@@ -68,28 +75,42 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
             [Gallery, Figures, Theme].into_iter().for_each(|a| item(ui, a, true, &mut asked));
         });
         ui.menu_button("Help", |ui| item(ui, Action::Help, true, &mut asked));
-        ui.separator();
-        let split = app.viewport.split.is_some();
-        for pane in 0..1 + usize::from(split) {
-            mode(ui, pane, split, &mut app.viewport.modes[pane]);
-        }
-        ui.separator();
-        let tools = [(Action::Comb, app.steer.on), (Action::Cut, app.cut.is_some()), (Action::Watch, app.watch.is_some())];
-        for (action, on) in tools {
-            if ui.selectable_label(on, action.name()).on_hover_text(hint(action)).clicked() {
-                asked = Some(action);
-            }
-        }
-        ui.separator();
-        if ui.selectable_label(split, "Split").on_hover_text(hint(Action::Split)).clicked() {
-            asked = Some(Action::Split);
+        if wide {
+            ui.separator();
+            shown(app, ui, &mut asked);
         }
     });
+    if !wide {
+        ui.horizontal_wrapped(|ui| shown(app, ui, &mut asked));
+    }
     if let Some(action) = asked {
         app.act(action, &ui.ctx().clone());
     }
     if let Some(path) = open {
         app.open_all(&[path]);
+    }
+}
+
+/// What the panes show, and the tools.
+fn shown(app: &mut App, ui: &mut Ui, asked: &mut Option<Action>) {
+    let split = app.viewport.split.is_some();
+    for pane in 0..1 + usize::from(split) {
+        mode(ui, pane, split, &mut app.viewport.modes[pane]);
+    }
+    ui.separator();
+    let tools = [(Action::Comb, app.steer.on), (Action::Cut, app.cut.is_some()), (Action::Watch, app.watch.is_some())];
+    for (action, on) in tools {
+        if ui.selectable_label(on, action.name()).on_hover_text(hint(action)).clicked() {
+            *asked = Some(action);
+        }
+    }
+    ui.separator();
+    if ui.selectable_label(split, "Split").on_hover_text(hint(Action::Split)).clicked() {
+        *asked = Some(Action::Split);
+    }
+    let compared = app.viewport.seen_modes().any(|mode| mode.method().is_some());
+    if ui.selectable_label(compared, "Compare").on_hover_text(hint(Action::Compare)).clicked() {
+        *asked = Some(Action::Compare);
     }
 }
 
@@ -110,7 +131,7 @@ fn mode(ui: &mut Ui, pane: usize, split: bool, chosen: &mut Mode) {
 }
 
 /// What a deed does and its keys.
-pub(super) fn hint(action: Action) -> String {
+pub(in super::super) fn hint(action: Action) -> String {
     let (_, shortcut, what) = action.facts();
     shortcut.map_or_else(|| what.to_owned(), |s| format!("{what} ({})", s.format(&egui::ModifierNames::NAMES, false)))
 }
@@ -138,7 +159,7 @@ fn entry(ui: &mut Ui, action: Action, text: String, enabled: bool, asked: &mut O
 }
 
 /// A text of at most so many letters: of a longer one its beginning and its end.
-pub(super) fn shortened(text: &str, most: usize) -> String {
+pub(in super::super) fn shortened(text: &str, most: usize) -> String {
     let count = text.chars().count();
     if count <= most {
         return text.to_owned();

@@ -7,6 +7,9 @@ mod menu;
 mod settings;
 mod status;
 
+pub(super) use menu::{hint, shortened};
+pub(super) use settings::grouped;
+
 use super::app::App;
 use egui::{CentralPanel, Frame, Panel, Ui};
 

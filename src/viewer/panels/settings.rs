@@ -2,6 +2,7 @@
 
 use super::super::action::Action;
 use super::super::app::App;
+use super::super::synth;
 use super::menu::shortened;
 use crate::exemplar::Exemplar;
 use crate::job::Link;
@@ -25,6 +26,10 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         if app.steer.on {
             heading(ui, "Comb");
             app.combing(ui);
+        }
+        if app.viewport.seen_modes().any(|mode| mode.method().is_some()) {
+            heading(ui, "Synthesis");
+            synth::panel::show(app, ui);
         }
         patches(app, ui);
     });
@@ -68,6 +73,9 @@ fn exemplars(app: &mut App, ui: &mut Ui) {
                 let name = exemplar.link.name();
                 ui.horizontal(|ui| {
                     ui.label(shortened(&name, NAME - 8)).on_hover_text(&name);
+                    if ui.small_button("cut").on_hover_text("Draw outlines of its texture patches").clicked() {
+                        app.cut_exemplar(i, &ui.ctx().clone());
+                    }
                     if ui.small_button("x").on_hover_text("Paste this exemplar no more").clicked() {
                         app.edit("exemplar", |p| drop(p.exemplars.remove(i)));
                     }
@@ -294,7 +302,7 @@ fn smallest_side(app: &App) -> u32 {
 }
 
 /// A number in groups of three digits.
-pub(super) fn grouped(number: usize) -> String {
+pub(in super::super) fn grouped(number: usize) -> String {
     let digits = number.to_string();
     let mut out = String::new();
     for (i, digit) in digits.chars().enumerate() {

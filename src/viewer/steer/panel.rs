@@ -10,17 +10,15 @@ pub fn show(ui: &mut Ui, combing: &mut Combing, ground: Option<&Ground<'_>>) -> 
     let ground = ground?;
     let edit = selected(ui, combing, ground);
     let count = combing.constraints().constraints.len();
-    ui.horizontal(|ui| {
-        ui.label(match count {
-            0 => "Nothing combed yet: drag over the surface".to_owned(),
-            1 => "1 constraint".to_owned(),
-            n => format!("{n} constraints"),
-        });
-        let clear = ui.add_enabled(count > 0, egui::Button::new("Clear"));
-        clear.on_hover_text("Takes all constraints away").clicked().then(|| combing.clear(ground)).flatten()
-    })
-    .inner
-    .or(edit)
+    if count == 0 {
+        ui.weak("Nothing combed yet: drag over the surface");
+        return edit;
+    }
+    let cleared = ui.horizontal(|ui| {
+        ui.label(if count == 1 { "1 constraint".to_owned() } else { format!("{count} constraints") });
+        ui.button("Clear").on_hover_text("Takes all constraints away").clicked()
+    });
+    cleared.inner.then(|| combing.clear(ground)).flatten().or(edit)
 }
 
 fn comb(ui: &mut Ui, settings: &mut CombSettings) {

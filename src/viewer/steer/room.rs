@@ -12,7 +12,7 @@ use crate::viewer::build::Shown;
 use crate::viewer::library::OpenModel;
 use crate::viewer::viewport::Viewport;
 use crate::viewer::worker::Lane;
-use egui::{Color32, CursorIcon, Key, Pos2, Ui};
+use egui::{Color32, CursorIcon, Event, Key, Modifiers, PointerButton, Pos2, Ui};
 use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub const BASE_WEIGHT: f64 = 0.05;
 /// The comb's radius grows and shrinks by this factor a key press.
 const RADIUS_STEP: f64 = 1.25;
 
-/// Places nearer to the eye than this share of the distance to a handle hide it.
+/// Places nearer to the eye than this share of the distance to a handle, or to another place, hide it.
 const HIDDEN: f64 = 0.995;
 
 /// A button that goes up within so many points of where it went down was a click.
@@ -41,6 +41,26 @@ pub struct Pointed {
     pub held: bool,
     /// What has changed.
     pub edit: Option<Edit>,
+}
+
+/// Something that the pointer did.
+#[derive(Debug, Clone, Copy)]
+enum Step {
+    /// Its main button went down, with these keys held.
+    Press(Pos2, Modifiers),
+    Move(Pos2),
+    Release,
+}
+
+/// What the pointer did, in its order.
+fn steps(events: &[Event]) -> Vec<Step> {
+    let step = |event: &Event| match *event {
+        Event::PointerMoved(at) => Some(Step::Move(at)),
+        Event::PointerButton { pos, button: PointerButton::Primary, pressed: true, modifiers } => Some(Step::Press(pos, modifiers)),
+        Event::PointerButton { button: PointerButton::Primary, pressed: false, .. } => Some(Step::Release),
+        _ => None,
+    };
+    events.iter().filter_map(step).collect()
 }
 
 /// Combing, and the surface that is combed.
@@ -131,50 +151,34 @@ impl SteerRoom {
         Nearest::over(&open.cleaned.mesh, tree).ray(from, along, f64::INFINITY).map(|hit| hit.at)
     }
 
+    /// True if no part of the model hides a place on it; false while that cannot be told yet.
+    #[must_use]
+    pub fn in_sight(&self, shown: &Shown, camera: &Camera, place: DVec3) -> bool {
+        let Some((open, tree)) = self.ground.as_ref().filter(|(open, _)| Arc::ptr_eq(open, &shown.open)) else { return false };
+        Nearest::over(&open.cleaned.mesh, tree).ray(camera.eye, place - camera.eye, HIDDEN).is_none()
+    }
+
     /// Takes the pointer and the keys, before the camera gets them.
     pub fn point(&mut self, ui: &Ui, viewport: &Viewport, shown: &Shown) -> Pointed {
         if !self.on || !self.ready(shown) {
             (self.at, self.hovered) = (None, None);
             return Pointed::default();
         }
+        let (steps, pointer, down) = ui.input(|i| (steps(&i.events), i.pointer.latest_pos(), i.pointer.primary_down()));
+        let (mut held, mut edit) = (self.combing.busy(), None);
+        // Of what happened since the last frame everything counts: a quick stroke may begin and end between two frames.
+        for step in steps {
+            edit = self.step(ui, viewport, shown, step).or(edit);
+            held |= self.combing.busy();
+        }
+        if self.combing.busy() && !down {
+            edit = self.with(shown, Combing::end).flatten().or(edit);
+        }
         let busy = self.combing.busy();
-        let pointer = ui.input(|i| i.pointer.latest_pos());
         let over = pointer.filter(|&p| busy || on_view(ui, viewport, p));
         self.at = over.and_then(|p| self.pick(shown, viewport, p));
-        let camera = viewport.orbit.camera();
         if !busy {
-            self.hovered = over.and_then(|p| self.grip(shown, viewport, &camera, p));
-        }
-        let (pressed, down, released, modifiers) = ui.input(|i| {
-            let p = &i.pointer;
-            (p.primary_pressed(), p.primary_down(), p.primary_released(), i.modifiers)
-        });
-        let (at, hovered) = (self.at, self.hovered);
-        let mut edit = None;
-        if pressed && !busy && over.is_some() {
-            self.pressed = pointer;
-            let tool = match modifiers {
-                m if m.shift => Tool::Scale,
-                m if m.alt => Tool::Erase,
-                _ => self.combing.settings.tool,
-            };
-            self.with(shown, |combing, ground| match (hovered, at) {
-                (Some((index, grip)), _) => combing.begin_handle(ground, index, grip),
-                (None, Some(at)) => combing.begin_stroke(at, tool),
-                (None, None) => combing.select(None),
-            });
-        } else if busy && down {
-            let resting = self.pressed.zip(pointer).is_some_and(|(from, to)| from.distance(to) < CLICK);
-            self.pressed = self.pressed.filter(|_| resting);
-            let moved = at
-                .filter(|_| !resting)
-                .is_some_and(|at| self.with(shown, |combing, ground| combing.drag(ground, at)) == Some(true));
-            if moved {
-                edit = Some(self.live(&shown.project));
-            }
-        }
-        if busy && (released || !down) {
-            edit = self.with(shown, Combing::end).flatten().or(edit);
+            self.hovered = over.and_then(|p| self.grip(shown, viewport, &viewport.orbit.camera(), p));
         }
         if over.is_some() {
             edit = self.keys(ui, shown).or(edit);
@@ -185,7 +189,37 @@ impl SteerRoom {
                 None => CursorIcon::Default,
             });
         }
-        Pointed { held: busy || self.combing.busy(), edit }
+        Pointed { held, edit }
+    }
+
+    /// One thing that the pointer did.
+    fn step(&mut self, ui: &Ui, viewport: &Viewport, shown: &Shown, step: Step) -> Option<Edit> {
+        match step {
+            Step::Press(at, modifiers) if !self.combing.busy() && on_view(ui, viewport, at) => {
+                self.pressed = Some(at);
+                self.hovered = self.grip(shown, viewport, &viewport.orbit.camera(), at);
+                let (place, hovered) = (self.pick(shown, viewport, at), self.hovered);
+                let tool = match modifiers {
+                    m if m.shift => Tool::Scale,
+                    m if m.alt => Tool::Erase,
+                    _ => self.combing.settings.tool,
+                };
+                self.with(shown, |combing, ground| match (hovered, place) {
+                    (Some((index, grip)), _) => combing.begin_handle(ground, index, grip),
+                    (None, Some(place)) => combing.begin_stroke(place, tool),
+                    (None, None) => combing.select(None),
+                });
+                None
+            }
+            Step::Move(at) if self.combing.busy() => {
+                self.pressed = self.pressed.filter(|from| from.distance(at) < CLICK);
+                let place = self.pick(shown, viewport, at).filter(|_| self.pressed.is_none())?;
+                let moved = self.with(shown, |combing, ground| combing.drag(ground, place)) == Some(true);
+                moved.then(|| self.live(&shown.project))
+            }
+            Step::Release if self.combing.busy() => self.with(shown, Combing::end).flatten(),
+            _ => None,
+        }
     }
 
     /// Gives a gesture up, or else the selection. False if there is neither.
@@ -229,9 +263,7 @@ impl SteerRoom {
 
     /// True if no part of the mesh hides a handle.
     fn sees(&self, shown: &Shown, camera: &Camera, handle: &Handle) -> bool {
-        let Some((_, tree)) = &self.ground else { return false };
-        let way = handle.place - camera.eye;
-        handle.normal.dot(way) < 0.0 && Nearest::over(&shown.open.cleaned.mesh, tree).ray(camera.eye, way, HIDDEN).is_none()
+        handle.normal.dot(handle.place - camera.eye) < 0.0 && self.in_sight(shown, camera, handle.place)
     }
 
     /// Paints handles, the stroke and the comb over the view.

@@ -7,14 +7,16 @@ use crate::paste::{FaceLists, Growth, LappedTexture, Paste, watch::Moment};
 use crate::render::gpu::{GpuError, Renderer, Subject};
 use crate::render::{Camera, DrawOptions, Stage};
 use crate::viewer::build::Shown;
+use crate::viewer::steer::room::SteerRoom;
 use crate::viewer::viewport::Viewport;
 use crate::viewer::worker::Lane;
 use egui::epaint::{Mesh, Vertex, WHITE_UV};
 use egui::{Color32, Context, Shape, Stroke, TextureHandle, TextureOptions, Ui};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Faces of a disc that are painted over the model at most; of a larger disc every n-th.
-const MOST_FACES: usize = 6000;
+const MOST_FACES: usize = 4000;
 
 const FACE: Color32 = Color32::from_rgba_premultiplied(20, 70, 110, 90);
 const NEW: Color32 = Color32::from_rgba_premultiplied(200, 160, 30, 220);
@@ -33,6 +35,23 @@ pub struct WatchRoom {
     asked: usize,
     growths: Lane<(usize, Option<Growth>)>,
     mask: Option<(u16, TextureHandle)>,
+    sight: Sight,
+}
+
+/// Which faces a camera sees, as far as it was asked for: rays through the model are too dear to be sent again every frame.
+#[derive(Debug, Default)]
+struct Sight {
+    camera: Option<Camera>,
+    faces: BTreeMap<u32, bool>,
+}
+
+impl Sight {
+    fn sees(&mut self, camera: &Camera, face: u32, ask: impl FnOnce() -> bool) -> bool {
+        if self.camera.as_ref() != Some(camera) {
+            *self = Self { camera: Some(*camera), faces: BTreeMap::new() };
+        }
+        *self.faces.entry(face).or_insert_with(ask)
+    }
 }
 
 impl std::fmt::Debug for WatchRoom {
@@ -55,6 +74,7 @@ impl WatchRoom {
             asked: count,
             growths: Lane::new("lapped growing", wake),
             mask: None,
+            sight: Sight::default(),
             shown,
         })
     }
@@ -79,7 +99,7 @@ impl WatchRoom {
     /// True if nothing is being made.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.subjects.meter().is_none() && self.growths.meter().is_none()
+        self.subjects.is_idle() && self.growths.is_idle()
     }
 
     /// The subject of the pastes that are to be seen, and another number with every other; none if all are.
@@ -142,12 +162,14 @@ impl WatchRoom {
         panel::growth(ui, &mut self.watch, patch, mask);
     }
 
-    /// Paints the growing disc over the model.
-    pub fn paint(&self, ui: &Ui, viewport: &Viewport) {
+    /// Paints the growing disc over the model, but for what nearer parts hide.
+    pub fn paint(&mut self, ui: &Ui, viewport: &Viewport, steer: &SteerRoom) {
         let Some(moment) = self.watch.moment() else { return };
         let painter = ui.painter().with_clip_rect(viewport.rect());
-        let camera = viewport.orbit.camera();
-        disc(&painter, viewport, &camera, self.shown.mesh(), &moment);
+        let (camera, shown, sight) = (viewport.orbit.camera(), &self.shown, &mut self.sight);
+        let mesh = shown.mesh();
+        let mut seen = |face| sight.sees(&camera, face, || steer.in_sight(shown, &camera, mesh.centroid(face)));
+        disc(&painter, viewport, &camera, mesh, &moment, &mut seen);
     }
 }
 
@@ -182,15 +204,22 @@ fn growth(shown: &Shown, paste: usize) -> Option<Growth> {
     Growth::of(shown.mesh(), &laid.guide, &laid.lapped, &options, laid.seedings.get(paste)?)
 }
 
-/// The disc's faces that look at the eye, the last that joined brighter.
-fn disc(painter: &egui::Painter, viewport: &Viewport, camera: &Camera, surface: &crate::mesh::Mesh, moment: &Moment) {
+/// The disc's faces that look at the eye and are `seen`, the last that joined brighter.
+fn disc(
+    painter: &egui::Painter,
+    viewport: &Viewport,
+    camera: &Camera,
+    surface: &crate::mesh::Mesh,
+    moment: &Moment,
+    seen: &mut dyn FnMut(u32) -> bool,
+) {
     let growing = moment.doing == crate::paste::watch::Doing::Growing;
     let last = moment.faces.len().saturating_sub(1);
     let every = moment.faces.len().div_ceil(MOST_FACES).max(1);
     let mut mesh = Mesh::default();
     for (i, &face) in moment.faces.iter().enumerate().filter(|(i, _)| i % every == 0 || *i == last) {
         let corners = surface.corners(face);
-        if surface.normal(face).dot(surface.centroid(face) - camera.eye) >= 0.0 {
+        if surface.normal(face).dot(surface.centroid(face) - camera.eye) >= 0.0 || !seen(face) {
             continue;
         }
         let [Some(a), Some(b), Some(c)] = corners.map(|p| viewport.place(camera, p)) else { continue };

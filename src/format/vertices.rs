@@ -1,32 +1,37 @@
 //! Writing a vertex texture: GLB or PLY by the file's ending.
 
+use super::{FormatError, Model, Record, write_file, write_record};
 use crate::exemplar::{Channel, srgb};
-use crate::format::{FormatError, Model, Record, write_file, write_record};
 use crate::mesh::Mesh;
 use crate::synth::VertexTexture;
-use anyhow::bail;
 use glam::{Vec3, Vec4};
 use std::io::{self, Write};
 use std::path::Path;
 
 /// Endings that can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub enum Kind {
     /// Binary glTF, colours in COLOR_0.
     Glb,
     /// PLY, binary, all channels as properties.
     Ply,
 }
 
-/// The kind of file that a path's ending asks for.
-///
-/// # Errors
-/// If there is no such kind.
-pub(super) fn kind(path: &Path) -> anyhow::Result<Kind> {
-    match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
-        Some("glb") => Ok(Kind::Glb),
-        Some("ply") => Ok(Kind::Ply),
-        _ => bail!("{}: vertex textures are written as .glb or .ply: give the name one of these endings", path.display()),
+impl Kind {
+    /// The kind of file that a path's ending asks for.
+    ///
+    /// # Errors
+    /// If there is no such kind.
+    pub fn of(path: &Path) -> Result<Self, FormatError> {
+        match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
+            Some("glb") => Ok(Self::Glb),
+            Some("ply") => Ok(Self::Ply),
+            _ => Err(FormatError::Write {
+                path: path.to_owned(),
+                what: "vertex textures are written as .glb or .ply".into(),
+                remedy: "give the name one of these endings".into(),
+            }),
+        }
     }
 }
 
@@ -34,7 +39,7 @@ pub(super) fn kind(path: &Path) -> anyhow::Result<Kind> {
 ///
 /// # Errors
 /// If the file cannot be written.
-pub(super) fn write(path: &Path, kind: Kind, name: &str, mesh: &Mesh, texture: &VertexTexture) -> Result<(), FormatError> {
+pub fn write_vertices(path: &Path, kind: Kind, name: &str, mesh: &Mesh, texture: &VertexTexture) -> Result<(), FormatError> {
     match kind {
         Kind::Ply => write_file(path, |out| ply(out, mesh, texture)),
         Kind::Glb => {
