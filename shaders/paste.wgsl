@@ -6,7 +6,8 @@
 
 struct Paste {
     piece: u32,
-    unused: u32,
+    // Where its cut begins in `pastes`; 0: it has none.
+    cut: u32,
     offset: vec2f,
 }
 
@@ -47,7 +48,9 @@ struct Exemplar {
     layers: vec4i,
 }
 
-@group(0) @binding(2) var<storage, read> pastes: array<Paste>;
+// The pastes, and after them their cuts: for each of `CUT_STEPS` ways out of the mask's middle two bytes, the distance at which alpha
+// is one half and the width over which it falls (src/paste/cut.rs).
+@group(0) @binding(2) var<storage, read> pastes: array<vec4u>;
 // Where each face's list begins in `entries`, and one more; bottom first.
 @group(1) @binding(2) var<storage, read> starts: array<u32>;
 @group(1) @binding(3) var<storage, read> entries: array<Entry>;
@@ -146,6 +149,41 @@ fn wrapped(exemplar: Exemplar, pixel: vec2f) -> vec2f {
     return pixel;
 }
 
+const CUT_STEPS = 128u;
+const CUT_UNITS = vec2f(1.0 / 204.0, 1.0 / 512.0);
+
+fn paste_at(index: u32) -> Paste {
+    let words = pastes[index];
+    return Paste(words.x, words.y, bitcast<vec2f>(words.zw));
+}
+
+// Distance and width of a cut on one of its ways.
+fn cut_step(cut: u32, way: u32) -> vec2f {
+    let place = way % CUT_STEPS;
+    let words = pastes[cut + place / 8u];
+    let step = words[place / 2u % 4u] >> (16u * (place % 2u));
+    return vec2f(vec2u(step & 255u, (step >> 8u & 255u) + 1u)) * CUT_UNITS;
+}
+
+// Alpha that a cut leaves at a place on its mask, 0 to 1.
+fn cut_alpha(cut: u32, at: vec2f, blur: f32) -> f32 {
+    let d = at * 2.0 - 1.0;
+    let a = abs(d);
+    let distance = max(a.x, a.y);
+    var minor = d.x;
+    var side = 3.0;
+    if a.x >= a.y {
+        minor = select(-d.y, d.y, d.x >= 0.0);
+        side = select(2.0, 0.0, d.x >= 0.0);
+    } else if d.y >= 0.0 {
+        minor = -d.x;
+        side = 1.0;
+    }
+    let way = (side + (1.0 + minor / max(distance, 1e-30)) * 0.5) * f32(CUT_STEPS / 4u);
+    let step = mix(cut_step(cut, u32(way)), cut_step(cut, u32(way) + 1u), way - floor(way));
+    return clamp((step.x - distance) / max(step.y, blur) + 0.5, 0.0, 1.0);
+}
+
 // Where a sample lies on a paste.
 struct Place {
     paste: Paste,
@@ -170,7 +208,7 @@ fn place_on(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) ->
     if any(at <= vec2f(0.0)) || any(at >= vec2f(1.0)) {
         return place;
     }
-    place.paste = pastes[entry.paste];
+    place.paste = paste_at(entry.paste);
     place.piece = patches[place.paste.piece];
     let piece = place.piece;
     place.pixel = at * piece.size;
@@ -181,6 +219,9 @@ fn place_on(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) ->
     place.over.dx = across.y * place.step1 + across.z * place.step2;
     place.over.dy = down.y * place.step1 + down.z * place.step2;
     place.alpha = mask_alpha(piece, place.pixel, place.over);
+    if place.paste.cut != 0u && place.alpha > 0.0 {
+        place.alpha *= cut_alpha(place.paste.cut, at, 2.0 / min(piece.size.x, piece.size.y) * exp2(place.over.lod));
+    }
     return place;
 }
 

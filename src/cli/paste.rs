@@ -119,7 +119,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 30] = [
+const OF_A_REGION: [&str; 32] = [
     "exemplars",
     "scale",
     "ratio",
@@ -130,6 +130,8 @@ const OF_A_REGION: [&str; 30] = [
     "patch",
     "feather",
     "plain",
+    "no_windows",
+    "no_cuts",
     "splotches",
     "weights",
     "color_only",
@@ -322,6 +324,8 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
         "field": args.region.field.clone().unwrap_or_else(|| "up".to_owned()),
         "feather": args.region.feather,
         "plain": args.region.plain,
+        "windows": !args.region.plain && !args.region.no_windows,
+        "cuts": !args.region.plain && !args.region.no_cuts,
         "regions": pasted.report.regions.iter().map(|r| &r.name).collect::<Vec<_>>(),
         "pastes": pasted.report.paste.pastes,
         "drawsPerFace": pasted.report.paste.draws_per_face,

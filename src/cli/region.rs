@@ -45,9 +45,15 @@ pub struct RegionArgs {
     /// Pixels over which alpha falls off at a patch's edge [default: 3, or 1.5 % of a larger exemplar]
     #[arg(long, value_name = "PX", help_heading = "Texture patches")]
     pub feather: Option<f32>,
-    /// The paper's own pastes: each shows the same part of its exemplar, whatever lies around it
+    /// The paper's own pastes: each shows the same part of its exemplar and ends where its mask does, whatever lies around it
     #[arg(long, help_heading = "Texture patches")]
     pub plain: bool,
+    /// Let each paste show the same part of its exemplar
+    #[arg(long, help_heading = "Texture patches")]
+    pub no_windows: bool,
+    /// Let each paste end where its mask does
+    #[arg(long, help_heading = "Texture patches")]
+    pub no_cuts: bool,
     /// Different splotches per exemplar
     #[arg(long, value_name = "N", default_value_t = 3, help_heading = "Texture patches")]
     pub splotches: u32,
@@ -207,7 +213,8 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
             },
             hide_hard_edges: !args.no_sort,
             cull: !args.no_cull,
-            windows: !args.plain,
+            windows: !args.plain && !args.no_windows,
+            cuts: !args.plain && !args.no_cuts,
             ..PasteOptions::default()
         },
         ..PasteJob::default()

@@ -49,7 +49,8 @@ impl Outgoing {
             *place += 1;
         }
         let outward = |paste: &Paste| {
-            let mut out = Paste { faces: Vec::with_capacity(paste.faces.len()), uv: Vec::with_capacity(paste.uv.len()), ..*paste };
+            let (faces, uv) = (Vec::with_capacity(paste.faces.len()), Vec::with_capacity(paste.uv.len()));
+            let mut out = Paste { faces, uv, cut: paste.cut.clone(), ..*paste };
             for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
                 for &user in &users[start[face as usize] as usize..start[face as usize + 1] as usize] {
                     out.faces.push(user);

@@ -22,7 +22,7 @@ use crate::format::{Model, Record};
 use crate::mesh::curvature::curvature;
 use crate::mesh::subdivide::{Subdivision, cut_larger};
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, MeshError, clean};
-use crate::paste::{LappedTexture, PasteError, PasteOptions, PasteStatistics, Seeding, cover};
+use crate::paste::{Finish, LappedTexture, PasteError, PasteOptions, PasteStatistics, Seeding, cover};
 use crate::progress::{Progress, Silent};
 use glam::DVec3;
 use serde::Serialize;
@@ -311,7 +311,7 @@ pub fn lay(
 /// What takes a draft.
 pub type TakeDraft<'a> = &'a mut dyn FnMut(Laid);
 
-/// [`lay`], with a draft before the windows of the pastes are chosen, if they are to be: the same pastes, as their patches were cut.
+/// [`lay`], with a draft before windows and cuts are chosen, if they are to be: the same pastes, as their patches were cut.
 ///
 /// # Errors
 /// As [`lay`].
@@ -332,14 +332,14 @@ pub fn lay_with_draft(
     report.prepare_seconds = begin.elapsed().as_secs_f64();
 
     let covered = cover(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
-    if let Some(draft) = draft.filter(|_| job.paste.windows) {
-        let made = covered.clone().finish(mesh, false, progress);
+    if let Some(draft) = draft.filter(|_| job.paste.windows || job.paste.cuts) {
+        let made = covered.clone().finish(mesh, Finish { windows: false, cuts: false }, progress);
         draft(Laid::new(fine.clone(), guide.clone(), report.clone(), made));
         if progress.cancelled() {
             return Err(PasteError::Cancelled.into());
         }
     }
-    let made = covered.finish(mesh, job.paste.windows, progress);
+    let made = covered.finish(mesh, job.paste.finish(), progress);
     Ok(Laid::new(fine, guide, report, made))
 }
 

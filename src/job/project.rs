@@ -162,7 +162,7 @@ pub struct Project {
     pub distortion: Option<f64>,
     /// Leave large faces as they are.
     pub keep_faces: bool,
-    /// Each paste shows the part of its exemplar that agrees best with what lies around it.
+    /// Each paste shows the part of its exemplar that agrees best with what lies around it, and ends where that shows least.
     pub windows: bool,
     /// Seed of all random choices.
     pub seed: u64,
@@ -304,7 +304,13 @@ impl Project {
             keep_faces: self.keep_faces,
             feather: self.feather,
             patches: PatchOptions { seed: self.seed, splotches: self.splotches, ..PatchOptions::default() },
-            paste: PasteOptions { seed: self.seed, distortion: self.distortion, windows: self.windows, ..PasteOptions::default() },
+            paste: PasteOptions {
+                seed: self.seed,
+                distortion: self.distortion,
+                windows: self.windows,
+                cuts: self.windows,
+                ..PasteOptions::default()
+            },
             ..PasteJob::default()
         }
     }

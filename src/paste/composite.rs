@@ -6,6 +6,7 @@
 
 use super::lapped::{FaceLists, LappedTexture, Layer, Paste};
 use super::relief::{LEAST_COSINE, met};
+use super::stencil::pixel_blur;
 use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::surface::{SurfaceTexture, Texel};
@@ -133,7 +134,7 @@ impl<'a> Composite<'a> {
         let image = PixelMap::new(paste, patch, slot);
         let pixel = image.pixel(at.bary);
         let lod = (footprint * image.pixels_per_unit(ground.area)).max(1.0).log2();
-        let alpha = patch.mask.sample(pixel, lod).x;
+        let alpha = patch.mask.sample(pixel, lod).x * cut_alpha(patch, paste, pixel, lod);
         if alpha <= 0.0 {
             return 0.0;
         }
@@ -177,12 +178,21 @@ fn exemplar_pixel(patch: &TexturePatch, paste: &Paste, pixel: Vec2) -> Vec2 {
 
 /// Alpha of one paste at a point of its face number `slot`, at the finest level.
 #[inline]
-pub(super) fn paste_alpha(patches: &[TexturePatch], paste: &Paste, slot: u32, bary: Vec3) -> f32 {
-    let mask = &patches[paste.patch as usize].mask;
+#[must_use]
+pub fn paste_alpha(patches: &[TexturePatch], paste: &Paste, slot: u32, bary: Vec3) -> f32 {
+    let patch = &patches[paste.patch as usize];
     let [a, b, c] = paste.uv[slot as usize];
-    let [w, h] = mask.size();
-    let uv = a * bary.x + b * bary.y + c * bary.z;
-    mask.finest().bilinear(uv * Vec2::new(w as f32, h as f32)).x
+    let [w, h] = patch.mask.size();
+    let pixel = (a * bary.x + b * bary.y + c * bary.z) * Vec2::new(w as f32, h as f32);
+    patch.mask.finest().bilinear(pixel).x * cut_alpha(patch, paste, pixel, 0.0)
+}
+
+/// Alpha that a paste's own cut leaves at a pixel of its mask; at coarser levels cuts are softer.
+#[inline]
+fn cut_alpha(patch: &TexturePatch, paste: &Paste, pixel: Vec2, lod: f32) -> f32 {
+    let Some(cut) = &paste.cut else { return 1.0 };
+    let step = Vec2::ONE / Vec2::from(patch.mask.size().map(|s| s as f32));
+    cut.alpha(pixel * step, pixel_blur(step) * lod.exp2())
 }
 
 /// A face in space.

@@ -14,7 +14,7 @@
 //! and makes "covered" a statement about every point. A face that overlaps itself in texture space needs no several
 //! passes here, because samples belong to the surface and not to the texture plane.
 
-use crate::exemplar::CoverageMask;
+use super::stencil::Stencil;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Cells of a row that are tried together against the mask's depth before they are looked at one by one.
@@ -226,21 +226,6 @@ pub enum Reach {
     Some,
 }
 
-impl Reach {
-    /// Of a patch whose mask pixels at the face's corners are these.
-    #[must_use]
-    pub fn of(mask: &CoverageMask, pixel: &[DVec2; 3]) -> Self {
-        let middle = (pixel[0] + pixel[1] + pixel[2]) / 3.0;
-        let radius = pixel.iter().map(|p| p.distance(middle)).fold(0.0, f64::max) as f32;
-        let depth = mask.depth(middle.as_vec2());
-        match () {
-            () if depth <= -radius => Self::None,
-            () if depth >= radius => Self::All,
-            () => Self::Some,
-        }
-    }
-}
-
 /// What is known of a face.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum Tile {
@@ -295,13 +280,13 @@ impl Tile {
         }
     }
 
-    /// Lays a texture patch over the face: `pixel` are the mask pixels of its corners. True if anything of the mask may
+    /// Lays a texture patch over the face: `pixel` are the mask pixels of its corners. True if anything of it may
     /// show on the part that was not opaque yet.
-    pub fn cover(&mut self, lattice: &Lattice, mask: &CoverageMask, pixel: [DVec2; 3]) -> bool {
+    pub fn cover(&mut self, lattice: &Lattice, stencil: &Stencil, pixel: [DVec2; 3]) -> bool {
         if *self == Self::Opaque {
             return false;
         }
-        match Reach::of(mask, &pixel) {
+        match stencil.reach_of_face(&pixel) {
             Reach::None => return false,
             Reach::All => {
                 *self = Self::Opaque;
@@ -313,7 +298,7 @@ impl Tile {
             *self = Self::Partial(vec![255; lattice.cells()].into());
         }
         let Self::Partial(samples) = self else { return false };
-        let (touched, open) = cover_samples(samples, lattice, mask, &Image::new(lattice, pixel));
+        let (touched, open) = cover_samples(samples, lattice, stencil, &Image::new(lattice, pixel));
         if !open {
             *self = Self::Opaque;
         }
@@ -322,7 +307,7 @@ impl Tile {
 }
 
 /// Multiplies the samples' transparency; whether the mask reached any that was not opaque, and whether any is left.
-fn cover_samples(samples: &mut [u8], lattice: &Lattice, mask: &CoverageMask, image: &Image) -> (bool, bool) {
+fn cover_samples(samples: &mut [u8], lattice: &Lattice, stencil: &Stencil, image: &Image) -> (bool, bool) {
     let (mut touched, mut open, mut start) = (false, false, 0);
     let radius = image.radius(lattice.half_cell());
     lattice.for_each_run(RUN, |run| {
@@ -332,16 +317,17 @@ fn cover_samples(samples: &mut [u8], lattice: &Lattice, mask: &CoverageMask, ima
             return;
         }
         if these.len() > SHORT_RUN {
-            let depth = mask.depth(image.at(run.middle()));
-            let reach = image.radius(run.half());
-            if depth <= -reach {
-                open = true;
-                return;
-            }
-            if depth >= reach {
-                these.fill(0);
-                touched = true;
-                return;
+            match stencil.reach(image.at(run.middle()), image.radius(run.half())) {
+                Reach::None => {
+                    open = true;
+                    return;
+                }
+                Reach::All => {
+                    these.fill(0);
+                    touched = true;
+                    return;
+                }
+                Reach::Some => {}
             }
         }
         for (transparency, sample) in these.iter_mut().zip(run.samples()) {
@@ -349,8 +335,8 @@ fn cover_samples(samples: &mut [u8], lattice: &Lattice, mask: &CoverageMask, ima
                 continue;
             }
             let at = image.at(sample);
-            touched |= mask.touches(at, radius);
-            let clear = 255 - u32::from(mask.eroded_alpha(at, radius));
+            touched = touched || stencil.touches(at, radius);
+            let clear = 255 - u32::from(stencil.eroded_alpha(at, radius));
             // Rounded up: a sample never counts as more opaque than it is.
             let rest = (u32::from(*transparency) * clear).div_ceil(255) as u8;
             *transparency = if rest <= OPAQUE { 0 } else { rest };

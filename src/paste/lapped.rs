@@ -1,5 +1,6 @@
 //! The result of pasting: texture patches and the ordered pastes of them (LT 3.5).
 
+use super::cut::Cut;
 use crate::exemplar::{Exemplar, TexturePatch};
 use crate::mesh::SurfacePoint;
 use glam::{Vec2, Vec3};
@@ -16,6 +17,8 @@ pub struct Paste {
     pub uv: Vec<[Vec2; 3]>,
     /// Shift of the content under the mask, pixels of the exemplar.
     pub offset: Vec2,
+    /// Where it ends inside its mask; `None`: where the mask does.
+    pub cut: Option<Box<Cut>>,
 }
 
 /// Exemplars, texture patches and pastes in paint order: later ones lie on top.
@@ -100,8 +103,13 @@ mod tests {
 
     #[test]
     fn face_lists_hold_each_paste_in_paint_order() {
-        let paste =
-            |faces: &[u32]| Paste { patch: 0, faces: faces.to_vec(), uv: vec![[Vec2::ZERO; 3]; faces.len()], offset: Vec2::ZERO };
+        let paste = |faces: &[u32]| Paste {
+            patch: 0,
+            faces: faces.to_vec(),
+            uv: vec![[Vec2::ZERO; 3]; faces.len()],
+            offset: Vec2::ZERO,
+            cut: None,
+        };
         let lists = FaceLists::new(3, &[paste(&[2, 0]), paste(&[0]), paste(&[1, 9, 0])]);
         assert_eq!(lists.of(0), [(0, 1), (1, 0), (2, 2)], "bottom first, with slots");
         assert_eq!(lists.of(1), [(2, 0)], "one paste");

@@ -19,6 +19,7 @@ use super::lay::{FitChoice, Laid, lay};
 use super::order::{HardEdge, hard_edges, mask_pixels};
 use super::seed::WeightedDraw;
 use super::statistics::Spread;
+use super::stencil::Stencil;
 use crate::exemplar::{CoverageMask, TexturePatch};
 use crate::field::Guide;
 use crate::mesh::disc::Scratch;
@@ -328,7 +329,7 @@ impl<'a> Loop<'a> {
             for (slot, &face) in paste.faces.iter().enumerate() {
                 let f = face as usize;
                 let pixels = mask_pixels(paste, slot as u32, size);
-                let reach = Reach::of(mask, &pixels);
+                let reach = Stencil::new(mask, None).reach_of_face(&pixels);
                 if self.tiles[f] == Tile::Opaque || reach == Reach::None {
                     continue;
                 }
@@ -390,7 +391,7 @@ impl<'a> Loop<'a> {
             .take(here)
             .map(|(&face, &pixels)| {
                 let mut tile = self.tiles[face as usize].clone();
-                tile.cover(&Lattice::new(&mesh.corners(face), self.pitch(face)), mask, pixels);
+                tile.cover(&Lattice::new(&mesh.corners(face), self.pitch(face)), &Stencil::new(mask, None), pixels);
                 tile
             })
             .collect();
@@ -428,7 +429,7 @@ impl<'a> Loop<'a> {
             if self.changed[f] == self.batch {
                 let lattice = Lattice::new(&mesh.corners(face), self.pitch(face));
                 let pixels = mask_pixels(&candidate.paste, slot as u32, size);
-                self.tiles[f].cover(&lattice, &self.input.masks[order.patch as usize], pixels);
+                self.tiles[f].cover(&lattice, &Stencil::new(&self.input.masks[order.patch as usize], None), pixels);
             } else {
                 self.tiles[f] = tile;
                 self.changed[f] = self.batch;
@@ -472,7 +473,7 @@ impl<'a> Loop<'a> {
 
 /// The paste of a laid patch: the faces that the mask reaches, and for each face of the disc its place among them.
 fn record(laid: &Laid, patch: u16, plan: &PatchPlan, mask: &CoverageMask) -> (Paste, Vec<Option<u32>>) {
-    let mut paste = Paste { patch, faces: Vec::new(), uv: Vec::new(), offset: Vec2::ZERO };
+    let mut paste = Paste { patch, faces: Vec::new(), uv: Vec::new(), offset: Vec2::ZERO, cut: None };
     let mut place = vec![None; laid.disc.faces.len()];
     for (i, &face) in laid.disc.faces.iter().enumerate() {
         let pixel = laid.disc.face_uv(i).map(|q| plan.mask_pixel(q));

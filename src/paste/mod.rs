@@ -4,8 +4,8 @@
 //!
 //! One paste goes through [`grow`] (a disc of faces over the texture patch), [`fit`] (aligned with the field),
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
-//! again, [`order`] sorts the pastes so that hard edges hide and drops what nobody can see, and [`window`] chooses what each
-//! of them shows. The result is a
+//! again, [`order`] sorts the pastes so that hard edges hide, [`window`] chooses what each of them shows and [`seam`] where it
+//! ends, and what nobody can see is dropped. The result is a
 //! [`LappedTexture`]; [`Composite`] shows it.
 
 pub mod audit;
@@ -13,26 +13,32 @@ pub mod composite;
 pub mod composite_backend;
 pub mod coverage;
 pub mod coverage_backend;
+pub mod cut;
 pub mod fit;
 pub mod frame;
 pub mod grow;
 mod lapped;
 pub mod lay;
 pub mod layout;
+mod levels;
 pub mod order;
 mod relief;
+pub mod seam;
 pub mod seed;
 pub mod statistics;
+pub mod stencil;
 pub mod watch;
 pub mod window;
 
 pub use composite::Composite;
 pub use composite_backend::{CompositeBackend, Compositing};
 pub use coverage_backend::{Coverage, CoverageBackend};
+pub use cut::Cut;
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};
 pub use lapped::{FaceLists, LappedTexture, Layer, Paste};
 pub use layout::Seeding;
+pub use seam::CutStatistics;
 pub use statistics::SpreadSummary;
 pub use watch::Growth;
 
@@ -45,8 +51,9 @@ use frame::singular_values;
 use glam::DMat2;
 use grow::PatchPlan;
 use layout::{Layout, LayoutInput, Loop};
-use order::HardEdge;
+use order::{HardEdge, Seen};
 use rayon::prelude::*;
+use seam::{choose_cuts, mend_holes};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -99,6 +106,8 @@ pub struct PasteOptions {
     pub cull: bool,
     /// Let each paste show the part of its exemplar that agrees best with what lies around it ([`window`]).
     pub windows: bool,
+    /// Let the border of each paste run where it shows least ([`seam`]).
+    pub cuts: bool,
     /// Where coverage is drawn.
     pub coverage: Coverage,
     /// Coverage masks of the texture patches, patch for patch, if they are there from an earlier time; else they are made.
@@ -116,6 +125,7 @@ impl Default for PasteOptions {
             hide_hard_edges: true,
             cull: true,
             windows: true,
+            cuts: true,
             coverage: Coverage::default(),
             masks: None,
         }
@@ -128,6 +138,12 @@ impl PasteOptions {
     pub fn distortion_for(&self, guide: &Guide) -> f64 {
         let usual = if matches!(guide, Guide::Isotropic { .. }) { DISTORTION_ISOTROPIC } else { DISTORTION_DIRECTED };
         self.distortion.unwrap_or(usual)
+    }
+
+    /// What is done once everything is covered.
+    #[must_use]
+    pub const fn finish(&self) -> Finish {
+        Finish { windows: self.windows, cuts: self.cuts }
     }
 
     fn fit(&self) -> lay::FitChoice {
@@ -244,6 +260,8 @@ pub struct PasteStatistics {
     pub deviation: SpreadSummary,
     /// Windows chosen, and how much better borders agree.
     pub windows: WindowStatistics,
+    /// Pastes cut, and how much less borders show.
+    pub cuts: CutStatistics,
     /// Seconds per stage.
     pub seconds: StageSeconds,
 }
@@ -281,7 +299,7 @@ pub fn paste(
     progress: &dyn Progress,
 ) -> Result<(LappedTexture, PasteStatistics), PasteError> {
     let covered = cover(mesh, guide, exemplars, patches, difficulty, options, progress)?;
-    let (lapped, _, statistics) = covered.finish(mesh, options.windows, progress);
+    let (lapped, _, statistics) = covered.finish(mesh, options.finish(), progress);
     Ok((lapped, statistics))
 }
 
@@ -302,7 +320,17 @@ pub struct Covered {
     statistics: PasteStatistics,
 }
 
-/// The first part of [`paste`]: lays pastes until nothing shows through, and sorts them. `options.windows` is not looked at.
+/// What makes borders disappear, once everything is covered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Finish {
+    /// As [`PasteOptions::windows`].
+    pub windows: bool,
+    /// As [`PasteOptions::cuts`].
+    pub cuts: bool,
+}
+
+/// The first part of [`paste`]: lays pastes until nothing shows through, and sorts them. `options.windows` and `options.cuts` are not
+/// looked at.
 ///
 /// # Errors
 /// As [`paste`].
@@ -392,18 +420,31 @@ pub fn cover(
 }
 
 impl Covered {
-    /// The second part of [`paste`], on the same mesh: chooses windows if asked to, and leaves out what nobody sees. With the result
-    /// comes where each of its pastes began, so that its growth can be looked at ([`watch`]).
+    /// The second part of [`paste`], on the same mesh: chooses windows and cuts if asked to, and leaves out what nobody sees. With the
+    /// result comes where each of its pastes began, so that its growth can be looked at ([`watch`]).
     #[must_use]
-    pub fn finish(self, mesh: &Mesh, windows: bool, progress: &dyn Progress) -> (LappedTexture, Vec<Seeding>, PasteStatistics) {
+    pub fn finish(self, mesh: &Mesh, asked: Finish, progress: &dyn Progress) -> (LappedTexture, Vec<Seeding>, PasteStatistics) {
         let begin = Instant::now();
         let Self { mut lapped, mut seedings, mut edges, masks, pitch, scale, seed, cull, mut statistics } = self;
         // Before culling: what lies hidden below tells how the texture goes on.
-        if windows {
+        let pitch = |f: u32| f64::from(pitch[f as usize]);
+        if asked.windows {
             progress.stage("choosing windows", 0);
             statistics.windows = choose_windows(mesh.face_count(), &mut lapped, seed);
         }
-        let left = order::cull(mesh, &mut lapped, &masks, &|f| f64::from(pitch[f as usize]), cull);
+        if asked.cuts {
+            progress.stage("cutting borders", 0);
+            statistics.cuts = choose_cuts(mesh.face_count(), &mut lapped, &masks);
+        }
+        let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
+        let mut seen = Seen::new(&lapped.pastes);
+        let all: Vec<u32> = (0..mesh.face_count() as u32).collect();
+        seen.look(mesh, &lapped, &lists, &masks, &pitch, cull, &all);
+        let (whole, mended) = mend_holes(&mut lapped, &lists, &masks, &seen.holes);
+        statistics.cuts.given_up = whole;
+        // What was cut away and is shown again must be kept.
+        seen.look(mesh, &lapped, &lists, &masks, &pitch, cull, &mended);
+        let left = order::cull(&mut lapped, &seen);
         edges = permute(edges, &left);
         seedings = permute(seedings, &left);
         let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);

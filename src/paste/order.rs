@@ -7,8 +7,9 @@
 use super::composite::paste_alpha;
 use super::coverage::{Lattice, Tile};
 use super::lapped::{FaceLists, LappedTexture, Paste};
+use super::stencil::Stencil;
 use crate::exemplar::CoverageMask;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, SurfacePoint};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
@@ -94,45 +95,76 @@ pub(super) fn mask_pixels(paste: &Paste, slot: u32, mask_size: [u32; 2]) -> [DVe
     paste.uv[slot as usize].map(|uv| uv.as_dvec2() * size)
 }
 
-/// Removes from each paste the faces that the ones above hide, and with `occluded` off only those that its mask does
-/// not reach; then pastes without faces. Returns for each paste kept its old index.
-pub fn cull(
-    mesh: &Mesh,
-    lapped: &mut LappedTexture,
-    masks: &[CoverageMask],
-    pitch: &(impl Fn(u32) -> f64 + Sync),
-    occluded: bool,
-) -> Vec<u32> {
-    let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
-    let keep_on_face = |face: u32, keep: &mut Vec<bool>| {
-        let lattice = Lattice::new(&mesh.corners(face), pitch(face));
-        let list = lists.of(face);
-        let first = keep.len();
-        keep.resize(first + list.len(), false);
-        let mut tile = Tile::Bare;
-        for (i, &(paste, slot)) in list.iter().enumerate().rev() {
-            if !occluded {
-                tile = Tile::Bare;
-            }
+/// What can be seen of each paste, and what cannot although it should.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Seen {
+    /// For each paste, whether anything of each of its faces can be seen.
+    faces: Vec<Vec<bool>>,
+    /// Samples of coverage that the pastes on their face do not cover together, on faces with a cut.
+    pub holes: Vec<SurfacePoint>,
+}
+
+impl Seen {
+    /// Nothing has been looked at yet.
+    #[must_use]
+    pub fn new(pastes: &[Paste]) -> Self {
+        Self { faces: pastes.iter().map(|p| vec![false; p.faces.len()]).collect(), holes: Vec::new() }
+    }
+
+    /// Looks at faces from the top down, again if that was done before. With `occluded` off pastes hide nothing, and only faces that a
+    /// paste does not reach are not seen.
+    #[allow(clippy::too_many_arguments, reason = "the surface, what lies on it, and how it is looked at")]
+    pub fn look(
+        &mut self,
+        mesh: &Mesh,
+        lapped: &LappedTexture,
+        lists: &FaceLists,
+        masks: &[CoverageMask],
+        pitch: &(impl Fn(u32) -> f64 + Sync),
+        occluded: bool,
+        faces: &[u32],
+    ) {
+        let lay = |tile: &mut Tile, lattice: &Lattice, (paste, slot): (u32, u32)| {
             let paste = &lapped.pastes[paste as usize];
             let pixels = mask_pixels(paste, slot, lapped.patches[paste.patch as usize].mask.size());
-            keep[first + i] = tile.cover(&lattice, &masks[paste.patch as usize], pixels);
+            tile.cover(lattice, &Stencil::new(&masks[paste.patch as usize], paste.cut.as_deref()), pixels)
+        };
+        let on_face = |face: u32, keep: &mut Vec<bool>, holes: &mut Vec<SurfacePoint>| {
+            let lattice = Lattice::new(&mesh.corners(face), pitch(face));
+            let list = lists.of(face);
+            let first = keep.len();
+            keep.resize(first + list.len(), false);
+            let mut tile = Tile::Bare;
+            for (i, &entry) in list.iter().enumerate().rev() {
+                let seen = lay(&mut tile, &lattice, entry);
+                keep[first + i] = if occluded { seen } else { lay(&mut Tile::Bare, &lattice, entry) };
+            }
+            if let Tile::Partial(samples) = &tile
+                && list.iter().any(|e| lapped.pastes[e.0 as usize].cut.is_some())
+            {
+                let open = (0..samples.len()).filter(|&k| samples[k] > 0);
+                holes.extend(open.map(|sample| SurfacePoint { face, bary: lattice.point(sample) }));
+            }
+        };
+        let parts: Vec<(Vec<bool>, Vec<SurfacePoint>)> = faces
+            .par_chunks(CULL_CHUNK)
+            .map(|chunk| {
+                let (mut keep, mut holes) = (Vec::new(), Vec::new());
+                chunk.iter().for_each(|&f| on_face(f, &mut keep, &mut holes));
+                (keep, holes)
+            })
+            .collect();
+        let entries = faces.iter().flat_map(|&face| lists.of(face));
+        for (&(paste, slot), &keep) in entries.zip(parts.iter().flat_map(|(keep, _)| keep)) {
+            self.faces[paste as usize][slot as usize] = keep;
         }
-    };
-    let faces: Vec<u32> = (0..mesh.face_count() as u32).collect();
-    let kept: Vec<Vec<bool>> = faces
-        .par_chunks(CULL_CHUNK)
-        .map(|chunk| {
-            let mut keep = Vec::new();
-            chunk.iter().for_each(|&f| keep_on_face(f, &mut keep));
-            keep
-        })
-        .collect();
-    let mut keep_slot: Vec<Vec<bool>> = lapped.pastes.iter().map(|p| vec![false; p.faces.len()]).collect();
-    for (&(paste, slot), keep) in lists.entries.iter().zip(kept.into_iter().flatten()) {
-        keep_slot[paste as usize][slot as usize] = keep;
+        self.holes = parts.into_iter().flat_map(|(_, holes)| holes).collect();
     }
-    for (paste, keep) in lapped.pastes.iter_mut().zip(&keep_slot) {
+}
+
+/// Removes what nobody can see: faces of pastes, then pastes without faces. Returns for each paste kept its old index.
+pub fn cull(lapped: &mut LappedTexture, seen: &Seen) -> Vec<u32> {
+    for (paste, keep) in lapped.pastes.iter_mut().zip(&seen.faces) {
         retain(&mut paste.faces, keep);
         retain(&mut paste.uv, keep);
     }

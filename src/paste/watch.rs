@@ -179,7 +179,7 @@ mod tests {
     use crate::field::{isotropic, up};
     use crate::mesh::disc::check_disc;
     use crate::mesh::shapes;
-    use crate::paste::{Composite, cover};
+    use crate::paste::{Composite, Finish, cover};
     use crate::progress::Silent;
     use crate::surface::SurfaceTexture;
     use glam::{DVec3, Vec3};
@@ -191,7 +191,7 @@ mod tests {
         let (patches, _) = make_patches(&exemplar, 0, &[spec], &PatchOptions::default()).expect("patches");
         let (lapped, seedings, _) = cover(mesh, guide, vec![exemplar], patches, &[], &PasteOptions::default(), &Silent)
             .expect("a paste")
-            .finish(mesh, true, &Silent);
+            .finish(mesh, Finish { windows: true, cuts: true }, &Silent);
         (lapped, seedings)
     }
 

@@ -17,8 +17,8 @@
 
 use super::composite::paste_alpha;
 use super::lapped::{FaceLists, LappedTexture, Paste};
+use super::levels::Level;
 use crate::exemplar::distance::distance;
-use crate::exemplar::stack::matched;
 use crate::exemplar::{ChannelSet, Exemplar, TexturePatch, Wrap};
 use crate::random::Random;
 use glam::{Vec2, Vec3};
@@ -59,51 +59,6 @@ pub struct WindowStatistics {
     pub border_after: f64,
     /// Seconds.
     pub seconds: f64,
-}
-
-/// One level of an exemplar as numbers to match, repeated once to the right and down, so that windows need no remainder.
-struct Level {
-    size: [usize; 2],
-    /// Pixels of it along one of the exemplar's.
-    scale: Vec2,
-    components: usize,
-    data: Vec<f32>,
-}
-
-impl Level {
-    fn new(exemplar: &Exemplar, channels: ChannelSet, level: usize) -> Self {
-        let images: Vec<_> = channels.iter().filter_map(|c| Some((c, exemplar.channel(c)?.levels().get(level)?))).collect();
-        let full = exemplar.size();
-        let [w, h] = images.first().map_or([1, 1], |(_, image)| image.size()).map(|s| s as usize);
-        let mut numbers = Vec::new();
-        let mut rows = Vec::new();
-        for y in 0..h as i64 {
-            numbers.clear();
-            for x in 0..w as i64 {
-                images.iter().for_each(|(c, image)| matched(*c, image.pixel(x, y).to_array(), &mut numbers));
-            }
-            rows.extend_from_slice(&numbers);
-            rows.extend_from_slice(&numbers);
-        }
-        let data = [rows.as_slice(), rows.as_slice()].concat();
-        let components = numbers.len() / w.max(1);
-        Self { size: [w, h], scale: Vec2::new(w as f32 / full[0] as f32, h as f32 / full[1] as f32), components, data }
-    }
-
-    /// The pixel of this level under a pixel of the exemplar, wrapped.
-    fn cell(&self, pixel: Vec2) -> [usize; 2] {
-        let p = (pixel * self.scale).floor();
-        [(p.x as i64).rem_euclid(self.size[0] as i64) as usize, (p.y as i64).rem_euclid(self.size[1] as i64) as usize]
-    }
-
-    /// Where a pixel's numbers begin. Those of a pixel shifted by another begin at the sum.
-    fn first(&self, [x, y]: [usize; 2]) -> usize {
-        (y * 2 * self.size[0] + x) * self.components
-    }
-
-    fn at(&self, pixel: [usize; 2]) -> &[f32] {
-        &self.data[self.first(pixel)..][..self.components]
-    }
 }
 
 /// An exemplar's levels, finest first.
@@ -261,7 +216,7 @@ fn outwards(lists: &FaceLists, pastes: &[Paste]) -> Vec<u32> {
 
 /// Pastes in waves: each shares no face with one of its own wave, and those before it in the order that share one with it are
 /// in earlier waves.
-fn waves(face_count: usize, pastes: &[Paste], order: &[u32]) -> Vec<Vec<u32>> {
+pub(super) fn waves(face_count: usize, pastes: &[Paste], order: &[u32]) -> Vec<Vec<u32>> {
     let mut reached = vec![0_usize; face_count];
     let mut waves: Vec<Vec<u32>> = Vec::new();
     for &k in order {

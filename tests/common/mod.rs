@@ -140,6 +140,30 @@ pub(crate) fn mask_alpha(patch: &TexturePatch, pixel: DVec2) -> f64 {
     top * (1.0 - t.y) + bottom * t.y
 }
 
+/// Alpha of a paste at a pixel of its mask: the mask's, and what its cut leaves, as docs/record.md says.
+pub(crate) fn paste_alpha(lapped: &LappedTexture, paste: u32, pixel: DVec2) -> f64 {
+    let paste = &lapped.pastes[paste as usize];
+    let patch = &lapped.patches[paste.patch as usize];
+    let alpha = mask_alpha(patch, pixel);
+    let Some(cut) = &paste.cut else { return alpha };
+    let size = patch.mask.size().map(f64::from);
+    let d = pixel / DVec2::from(size) * 2.0 - 1.0;
+    let r = d.x.abs().max(d.y.abs());
+    let way = if d.x == r {
+        16.0 * (1.0 + d.y / r)
+    } else if d.y == r {
+        32.0 + 16.0 * (1.0 - d.x / r)
+    } else if d.x == -r {
+        64.0 + 16.0 * (1.0 - d.y / r)
+    } else {
+        96.0 + 16.0 * (1.0 + d.x / r)
+    };
+    let step = |way: f64, byte: usize| f64::from(cut.steps()[way as usize % 128][byte]);
+    let between = |byte: usize| step(way, byte) + way.fract() * (step(way + 1.0, byte) - step(way, byte));
+    let (distance, width) = (between(0) / 204.0, (between(1) + 1.0) / 512.0);
+    alpha * ((distance - r) / width.max(2.0 / size[0].min(size[1])) + 0.5).clamp(0.0, 1.0)
+}
+
 /// Mask pixel of a paste at a point of its face number `slot`.
 pub(crate) fn mask_pixel(lapped: &LappedTexture, paste: u32, slot: u32, bary: Vec3) -> DVec2 {
     let paste = &lapped.pastes[paste as usize];
@@ -151,10 +175,7 @@ pub(crate) fn mask_pixel(lapped: &LappedTexture, paste: u32, slot: u32, bary: Ve
 
 /// Alpha of all pastes together at a point, by the definition: 1 minus the product of what each lets through.
 pub(crate) fn alpha_at(lapped: &LappedTexture, lists: &FaceLists, at: SurfacePoint) -> f64 {
-    let through = |&(paste, slot): &(u32, u32)| {
-        let patch = &lapped.patches[lapped.pastes[paste as usize].patch as usize];
-        1.0 - mask_alpha(patch, mask_pixel(lapped, paste, slot, at.bary))
-    };
+    let through = |&(paste, slot): &(u32, u32)| 1.0 - paste_alpha(lapped, paste, mask_pixel(lapped, paste, slot, at.bary));
     1.0 - lists.of(at.face).iter().map(through).product::<f64>()
 }
 

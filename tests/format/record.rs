@@ -5,8 +5,15 @@
 use glam::{Vec2, Vec3, Vec4};
 use lapped::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wrap};
 use lapped::format::{FaceGroup, Model, Record, read_model, read_record, write_record};
-use lapped::paste::{LappedTexture, Layer, Paste};
+use lapped::paste::cut::CUT_STEPS;
+use lapped::paste::{Cut, LappedTexture, Layer, Paste};
 use lapped::random::Random;
+
+/// A cut of random distances.
+fn cut(random: &mut Random) -> Box<Cut> {
+    let steps: Vec<[f32; 2]> = (0..CUT_STEPS).map(|_| [random.range(0.2, 1.1) as f32, random.range(0.01, 0.3) as f32]).collect();
+    Box::new(Cut::new(|way| Some(steps[way])))
+}
 
 fn bytes_image(width: u32, height: u32, components: usize, random: &mut Random, decode: impl Fn(f32) -> f32) -> Image {
     let data = (0..width * height * components as u32).map(|_| decode(random.below(256) as f32 / 255.0)).collect();
@@ -71,7 +78,8 @@ fn full_record() -> Record {
             let on = (0..count).map(|_| r.below(faces as u64) as u32).collect();
             let mut uv = || Vec2::new(r.range(-0.5, 1.5) as f32, r.unit() as f32);
             let uv = (0..count).map(|_| [uv(), uv(), uv()]).collect();
-            Paste { patch: r.below(3) as u16, faces: on, uv, offset: Vec2::new(k as f32, -0.5) }
+            let cut = (k % 2 == 0).then(|| cut(&mut r));
+            Paste { patch: r.below(3) as u16, faces: on, uv, offset: Vec2::new(k as f32, -0.5), cut }
         })
         .collect();
     let upper = Layer { name: "upper".into(), pastes: pastes.len() as u32 - 1, weights: vec![[0.25, 1.0, 0.0]; faces] };

@@ -173,7 +173,13 @@ pub(crate) fn scattered(mesh: &Mesh, patches: Vec<TexturePatch>, exemplar: Exemp
                 Vec2::new(0.5 + d.x as f32, 0.5 - d.y as f32)
             })
         };
-        Paste { patch: (k % patches.len()) as u16, uv: chosen.iter().map(|&f| uv(f)).collect(), faces: chosen, offset: Vec2::ZERO }
+        Paste {
+            patch: (k % patches.len()) as u16,
+            uv: chosen.iter().map(|&f| uv(f)).collect(),
+            faces: chosen,
+            offset: Vec2::ZERO,
+            cut: None,
+        }
     };
     let pastes = (0..count).map(paste).collect();
     LappedTexture { exemplars: vec![exemplar], patches, pastes, layers: Vec::new() }

@@ -13,6 +13,7 @@ use lapped::job::{ExemplarInput, JobError, PasteJob, Scale, paste_model};
 use lapped::mesh::SurfacePoint;
 use lapped::paste::coverage::{Lattice, Reach, Tile};
 use lapped::paste::coverage_backend::{CoverageBackend, CoveredFace};
+use lapped::paste::stencil::Stencil;
 use lapped::paste::{Composite, Coverage, FaceLists, PasteError};
 use lapped::progress::Silent;
 use lapped::random::Random;
@@ -30,7 +31,7 @@ fn covered(lattice: &Lattice, masks: &[CoverageMask], over: &[Over], shift: DVec
     let mut tile = Tile::Bare;
     for &(mask, pixel) in over {
         let middle = (pixel[0] + pixel[1] + pixel[2]) / 3.0;
-        tile.cover(lattice, &masks[mask], pixel.map(|p| middle + (p - middle) * scale + shift));
+        tile.cover(lattice, &Stencil::new(&masks[mask], None), pixel.map(|p| middle + (p - middle) * scale + shift));
     }
     match tile {
         Tile::Bare => vec![255; lattice.cells()],
@@ -62,7 +63,7 @@ fn every_sample_is_the_processors_but_for_edge_ties() {
                     let size = DVec2::new(f64::from(w), f64::from(h));
                     (usize::from(paste.patch), paste.uv[slot as usize].map(|uv| uv.as_dvec2() * size))
                 })
-                .filter(|(mask, pixel)| Reach::of(&masks[*mask], pixel) == Reach::Some)
+                .filter(|(mask, pixel)| Stencil::new(&masks[*mask], None).reach_of_face(pixel) == Reach::Some)
                 .collect();
             let mut one = CoveredFace::new(&lattice, vec![255; lattice.cells()]);
             over.iter().for_each(|&(mask, pixel)| one.lay(&lattice, mask as u32, pixel));

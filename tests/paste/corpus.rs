@@ -5,7 +5,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-use crate::common::{draws_per_face, least_alpha, mask_alpha, mask_pixel, opened, quantile};
+use crate::common::{draws_per_face, least_alpha, mask_pixel, opened, paste_alpha, quantile};
 use crate::folder::{corpus, whole};
 use glam::{DVec2, DVec3};
 use lapped::field::singularities;
@@ -99,8 +99,7 @@ fn texture_up(bound: &Bound, paste: u32, slot: u32) -> DVec3 {
 fn shown(lapped: &LappedTexture, lists: &FaceLists, at: SurfacePoint) -> Option<(u32, u32)> {
     let (mut clear, mut most, mut found) = (1.0, 0.0, None);
     for &(paste, slot) in lists.of(at.face).iter().rev() {
-        let patch = &lapped.patches[lapped.pastes[paste as usize].patch as usize];
-        let alpha = mask_alpha(patch, mask_pixel(lapped, paste, slot, at.bary));
+        let alpha = paste_alpha(lapped, paste, mask_pixel(lapped, paste, slot, at.bary));
         if clear * alpha > most {
             (most, found) = (clear * alpha, Some((paste, slot)));
         }

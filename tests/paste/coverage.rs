@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-use crate::common::{Points, alpha_at, draws_per_face, exemplar_place, input, least_alpha, mask_alpha, mask_pixel, opened, pasted};
+use crate::common::{
+    Points, alpha_at, draws_per_face, exemplar_place, input, least_alpha, mask_pixel, opened, paste_alpha, pasted,
+};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::PatchSource;
 use lapped::job::{Bound, PasteJob, Scale, Steer, paste_model};
@@ -65,7 +67,7 @@ fn the_compositor_agrees_with_the_definition_of_over() {
         for &(paste, slot) in lists.of(at.face) {
             let patch = &lapped.patches[lapped.pastes[paste as usize].patch as usize];
             let pixel = mask_pixel(&lapped, paste, slot, at.bary);
-            let alpha = mask_alpha(patch, pixel) as f32;
+            let alpha = paste_alpha(&lapped, paste, pixel) as f32;
             let place = exemplar_place(&lapped, paste, pixel);
             let image = lapped.exemplars[patch.exemplar as usize].channel(lapped::exemplar::Channel::BaseColor).unwrap().finest();
             under = under * (1.0 - alpha) + image.bilinear(place) * alpha;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-use crate::common::{Points, exemplar_place, input, mask_alpha, meshed, model_of, opened, pasted, patches, sheet};
+use crate::common::{Points, exemplar_place, input, mask_alpha, meshed, model_of, opened, paste_alpha, pasted, patches, sheet};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 use lapped::exemplar::srgb::encode;
 use lapped::exemplar::{Channel, PatchSource};
@@ -45,7 +45,7 @@ fn one_paste_gives_the_exemplar_back() {
         let site = Site { mesh: &mesh, guide: &guide, plan: &plan, seed, distortion: 1.0, predictor: Predictor::Field };
         let laid = lay(site, 0.0, FitChoice::default(), &mut Scratch::new(&mesh)).unwrap();
         let uv = (0..laid.disc.faces.len()).map(|i| laid.disc.face_uv(i).map(|q| plan.mask_uv(q).as_vec2())).collect();
-        let paste = Paste { patch: 0, faces: laid.disc.faces.clone(), uv, offset: Vec2::ZERO };
+        let paste = Paste { patch: 0, faces: laid.disc.faces.clone(), uv, offset: Vec2::ZERO, cut: None };
         let lapped = LappedTexture {
             exemplars: vec![exemplar.clone()],
             patches: vec![patch.clone()],
@@ -139,10 +139,9 @@ fn overlapping_pastes_blend_as_computed_by_hand() {
         for at in Points::new(mesh).list(20_000) {
             let place = mesh.position(at).truncate();
             let (mut sum, mut clear) = (Vec3::ZERO, 1.0_f64);
-            for (k, (paste, flat)) in lapped.pastes.iter().zip(&flats).enumerate().rev() {
-                let patch = &lapped.patches[paste.patch as usize];
+            for (k, flat) in flats.iter().enumerate().rev() {
                 let pixel = flat.pixel(place);
-                let alpha = mask_alpha(patch, pixel);
+                let alpha = paste_alpha(lapped, k as u32, pixel);
                 layers += usize::from(alpha > 0.0);
                 sum += colours.bilinear(exemplar_place(lapped, k as u32, pixel)) * (clear * alpha) as f32;
                 clear *= 1.0 - alpha;

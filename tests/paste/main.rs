@@ -4,6 +4,7 @@
 mod common;
 mod corpus;
 mod coverage;
+mod cuts;
 mod disc;
 mod flat;
 #[path = "../common/folder.rs"]

@@ -11,7 +11,11 @@ use lapped::paste::{LappedTexture, PasteOptions};
 use lapped::progress::Silent;
 
 fn job(windows: bool) -> PasteJob {
-    PasteJob { scale: Scale::World(0.5), paste: PasteOptions { windows, ..PasteOptions::default() }, ..PasteJob::default() }
+    PasteJob {
+        scale: Scale::World(0.5),
+        paste: PasteOptions { windows, cuts: false, ..PasteOptions::default() },
+        ..PasteJob::default()
+    }
 }
 
 fn on_a_sheet(exemplar: &Exemplar, windows: bool) -> Pasted {

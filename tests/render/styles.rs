@@ -37,7 +37,7 @@ fn pasted(mesh: &Mesh, at: &[(Vec2, f32)]) -> LappedTexture {
             Vec2::new(0.5 + from.x, 0.5 - from.y)
         };
         let faces: Vec<u32> = (0..mesh.face_count() as u32).collect();
-        Paste { patch: 0, uv: mesh.faces.iter().map(|f| f.map(uv)).collect(), faces, offset: Vec2::ZERO }
+        Paste { patch: 0, uv: mesh.faces.iter().map(|f| f.map(uv)).collect(), faces, offset: Vec2::ZERO, cut: None }
     };
     LappedTexture {
         exemplars: vec![exemplar],

@@ -3,9 +3,10 @@
 use super::{Origin, Sourced, steps};
 use crate::exemplar::{ChannelSet, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
+use crate::paste::composite::paste_alpha;
 use crate::paste::{Composite, LappedTexture};
 use crate::surface::{SurfaceTexture, Texel};
-use glam::{DVec2, Vec2};
+use glam::DVec2;
 
 /// A lapped texture and where it comes from.
 #[derive(Debug)]
@@ -30,10 +31,7 @@ impl<'a> PastedSource<'a> {
                 break;
             }
             let p = &self.lapped.pastes[paste as usize];
-            let mask = &self.lapped.patches[p.patch as usize].mask;
-            let uv = p.uv[slot as usize];
-            let place = (uv[0] * at.bary.x + uv[1] * at.bary.y + uv[2] * at.bary.z) * Vec2::from(mask.size().map(|s| s as f32));
-            let alpha = mask.finest().bilinear(place).x;
+            let alpha = paste_alpha(&self.lapped.patches, p, slot, at.bary);
             if clear * alpha > most {
                 (most, found) = (clear * alpha, Some((paste, slot)));
             }

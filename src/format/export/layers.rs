@@ -16,7 +16,7 @@ use crate::format::gltf::build::{Builder, INDICES, Shape, U32, VERTICES};
 use crate::format::gltf::scene_out::{add_material, add_scene};
 use crate::format::look::Look;
 use crate::format::{FormatError, Record};
-use crate::paste::{LappedTexture, Paste};
+use crate::paste::{Cut, LappedTexture, Paste};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -87,11 +87,11 @@ pub fn write_layers(path: &Path, record: &Record) -> Result<LayersReport, Format
     Ok(report)
 }
 
-/// A texture patch with its content shifted: what one paste shows.
-type Window = (u16, [u32; 2]);
+/// A texture patch with its content shifted, and its cut: what one paste shows.
+type Window = (u16, [u32; 2], Option<Cut>);
 
 fn window(paste: &Paste) -> Window {
-    (paste.patch, paste.offset.to_array().map(f32::to_bits))
+    (paste.patch, paste.offset.to_array().map(f32::to_bits), paste.cut.as_deref().copied())
 }
 
 /// True if no part of a face can lie on the mask.
@@ -102,8 +102,18 @@ fn beyond(uv: &[Vec2; 3]) -> bool {
 /// What lies under a window.
 struct Under<'a> {
     mask: &'a Image,
+    cut: Option<&'a Cut>,
     size: [i64; 2],
     origin: Vec2,
+}
+
+impl Under<'_> {
+    /// Alpha that the cut leaves at a pixel.
+    fn left(&self, x: i64, y: i64) -> f32 {
+        let size = Vec2::from(self.size.map(|s| s as f32));
+        let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+        self.cut.map_or(1.0, |cut| cut.alpha(at / size, 2.0 / size.min_element()))
+    }
 }
 
 /// The windows of one exemplar in one image, in rows.
@@ -166,7 +176,7 @@ impl Sheet {
         }
         let mask = self.filled(lapped, 1, Vec3::ZERO, |patch, x, y, _| {
             let inside = (0..patch.size[0]).contains(&x) && (0..patch.size[1]).contains(&y);
-            if inside { Vec3::splat(patch.mask.grey(x, y)) } else { Vec3::ZERO }
+            if inside { Vec3::splat(patch.mask.grey(x, y) * patch.left(x, y)) } else { Vec3::ZERO }
         });
         images.push((Channel::Opacity, mask));
         images.into_iter().map(|(channel, image)| Ok((channel, image?))).collect()
@@ -183,10 +193,11 @@ impl Sheet {
         let [width, height] = self.size;
         let mut data = nothing.to_array()[..components].repeat(width as usize * height as usize);
         let rim = i64::from(APART);
-        for (&(patch, offset), at) in &self.at {
+        for (&(patch, offset, ref cut), at) in &self.at {
             let patch = &lapped.patches[patch as usize];
             let under = Under {
                 mask: patch.mask.finest(),
+                cut: cut.as_ref(),
                 size: patch.mask.size().map(i64::from),
                 origin: Vec2::new(patch.origin[0] as f32, patch.origin[1] as f32),
             };

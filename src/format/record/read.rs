@@ -11,7 +11,8 @@ use crate::format::gltf::{glb, scene, uri};
 use crate::format::model::{FaceGroup, Model, Source};
 use crate::format::picture::{Transfer, decode};
 use crate::format::{FormatError, read_file};
-use crate::paste::{LappedTexture, Layer, Paste};
+use crate::paste::cut::CUT_STEPS;
+use crate::paste::{Cut, LappedTexture, Layer, Paste};
 use glam::{Vec2, Vec3, Vec4};
 use image::ImageFormat;
 use serde::Deserialize;
@@ -117,6 +118,7 @@ struct PasteTables {
     face: Option<usize>,
     uv: Option<usize>,
     offset: Option<usize>,
+    cut: Option<usize>,
 }
 
 fn parse(file: &[u8], folder: Option<&Path>) -> Result<Record, Problem> {
@@ -271,6 +273,12 @@ fn read_layer(data: &Data<'_>, entry: LayerEntry) -> Result<Layer, Problem> {
     Ok(Layer { name: entry.name, pastes: entry.pastes, weights: corners.to_vec() })
 }
 
+/// A cut, unless it leaves the mask whole.
+fn read_cut(steps: &[u32; CUT_STEPS]) -> Option<Box<Cut>> {
+    let cut = Cut::from_steps(steps.map(|step| [step as u8, (step >> 8) as u8]));
+    (!cut.is_whole()).then(|| Box::new(cut))
+}
+
 fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Problem> {
     let indices = |a: Option<usize>| a.map_or(Ok(Vec::new()), |a| data.indices(a));
     let vectors = |a: Option<usize>| a.map_or(Ok(Vec::new()), |a| data.floats::<2>(a));
@@ -279,12 +287,14 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
     let face = indices(tables.face)?;
     let uv = vectors(tables.uv)?;
     let offset = vectors(tables.offset)?;
+    let cut = indices(tables.cut)?;
     let count = tables.count;
     let lengths = [
         ("patch", patch.len(), count),
         ("faceOffset", ends.len(), count + usize::from(tables.face_offset.is_some() || count > 0)),
         ("uv", uv.len(), 3 * face.len()),
         ("offset", offset.len(), if tables.offset.is_some() { count } else { 0 }),
+        ("cut", cut.len(), if tables.cut.is_some() { CUT_STEPS * count } else { 0 }),
     ];
     if let Some((name, has, needed)) = lengths.into_iter().find(|(_, has, needed)| has != needed) {
         return Err(Problem::damaged("pastes", format!("{name} has {has} entries, not {needed}")));
@@ -294,6 +304,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
         return Err(Problem::damaged("pastes", format!("faceOffset does not rise from 0 to {}", face.len())));
     }
     let corners = uv.as_chunks::<3>().0;
+    let cuts = cut.as_chunks::<CUT_STEPS>().0;
     (0..count)
         .map(|k| {
             let range = ends[k] as usize..ends[k + 1] as usize;
@@ -302,6 +313,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
                 faces: face[range.clone()].to_vec(),
                 uv: corners[range].iter().map(|c| c.map(Vec2::from_array)).collect(),
                 offset: offset.get(k).map_or(Vec2::ZERO, |&o| Vec2::from_array(o)),
+                cut: cuts.get(k).and_then(read_cut),
             })
         })
         .collect()

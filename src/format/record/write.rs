@@ -7,7 +7,8 @@ use crate::format::FormatError;
 use crate::format::gltf::build::{Builder, F32, Shape, U16, U32};
 use crate::format::gltf::scene_out::add_scene;
 use crate::format::picture::{Transfer, encode_png};
-use crate::paste::Layer;
+use crate::paste::cut::CUT_STEPS;
+use crate::paste::{Cut, Layer};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -134,7 +135,14 @@ impl<'a> Tables<'a> {
         });
         let shifted = pastes.iter().any(|p| p.offset != glam::Vec2::ZERO);
         let offset = if shifted { self.0.vectors(None, pastes.len(), |k| pastes[k].offset.to_array()) } else { None };
-        for (key, accessor) in [("patch", patch), ("faceOffset", offsets), ("face", face), ("uv", uv), ("offset", offset)] {
+        // Low byte the distance, high byte the softness.
+        let steps = if pastes.iter().any(|p| p.cut.is_some()) { CUT_STEPS * pastes.len() } else { 0 };
+        let cut = self.0.accessor(Shape { name: "SCALAR", component: U16, target: None }, steps, |out| {
+            pastes.iter().try_for_each(|p| out.write_all(p.cut.as_deref().unwrap_or(&Cut::none()).steps().as_flattened()))
+        });
+        for (key, accessor) in
+            [("patch", patch), ("faceOffset", offsets), ("face", face), ("uv", uv), ("offset", offset), ("cut", cut)]
+        {
             if let Some(accessor) = accessor {
                 value[key] = accessor.into();
             }

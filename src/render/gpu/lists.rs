@@ -11,6 +11,7 @@ use super::context::Gpu;
 use super::error::GpuError;
 use super::shape::{largest, octahedral, words};
 use crate::mesh::Mesh;
+use crate::paste::cut::CUT_STEPS;
 use crate::paste::{FaceLists, LappedTexture, Layer, Paste};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
@@ -19,6 +20,8 @@ use wgpu::util::DeviceExt;
 
 /// 32-bit words of one entry: paste, face, and three texture coordinates.
 const ENTRY_WORDS: usize = 8;
+/// A cut in fours of words.
+const CUT_FOURS: u32 = CUT_STEPS as u32 / 8;
 /// Bytes that a face takes in the largest of the tables that grow with faces.
 const FACE_BYTES: u64 = 12;
 
@@ -82,6 +85,22 @@ pub(super) struct Lists {
     pub(super) soft: bool,
 }
 
+/// The pastes, four words each, and after them the cuts, two bytes a step. A paste names where its cut begins, in fours of words;
+/// 0: it has none.
+fn paste_table(pastes: &[Paste]) -> Vec<u32> {
+    let mut table = Vec::with_capacity(4 * pastes.len());
+    let mut next = pastes.len() as u32;
+    for paste in pastes {
+        let at = if paste.cut.is_some() { next } else { 0 };
+        next += if paste.cut.is_some() { CUT_FOURS } else { 0 };
+        table.extend([u32::from(paste.patch), at, paste.offset.x.to_bits(), paste.offset.y.to_bits()]);
+    }
+    for cut in pastes.iter().filter_map(|p| p.cut.as_ref()) {
+        table.extend(cut.steps().as_chunks::<2>().0.iter().map(|[a, b]| u32::from_le_bytes([a[0], a[1], b[0], b[1]])));
+    }
+    table
+}
+
 /// A face's own colours as an entry: four numbers of 16 bits a corner, of 0 to 1.
 fn tint(face: u32, corners: &[Vec4; 3]) -> [u32; ENTRY_WORDS] {
     let mut entry = [TINT, face, 0, 0, 0, 0, 0, 0];
@@ -133,8 +152,7 @@ impl Lists {
             // Each page's tables go to the device before the next ones are made, so that memory holds one page at a time.
             gpu.queue.submit([]);
         }
-        let table: Vec<u32> =
-            pastes.iter().flat_map(|p| [u32::from(p.patch), 0, p.offset.x.to_bits(), p.offset.y.to_bits()]).collect();
+        let table = paste_table(pastes);
         let needs = 4 * table.len() as u64;
         if needs > largest(gpu) {
             let what = "the pastes take more bytes than one binding".to_owned();

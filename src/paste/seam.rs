@@ -1,0 +1,436 @@
+//! Seams: where the border of each paste runs through what lies below it.
+//!
+//! A paste overlaps others for a good part of its size, and shows nothing there that they could not show. So its border may run
+//! anywhere through the overlap: along the joints between bricks, around stones, wherever the two agree.
+//!
+//! Based on: the minimum error boundary cut of Efros and Freeman, "Image Quilting for Texture Synthesis and Transfer", SIGGRAPH
+//! 2001, section 2.1; here closed around the middle of a patch, on a surface.
+//!
+//! 1. Pastes take their turn from the bottom up, those that share no face in parallel: what lies below is final.
+//! 2. A paste is compared with what lies below it on a grid over its mask, a few dozen cells a side. Cells that are not covered below
+//!    must stay inside.
+//! 3. On each of the ways out of the middle ([`Cut`]) a border may lie at a few distances, from where the outermost such
+//!    cell ends to where the mask does. Dynamic programming finds the closed path of least difference through them: once around
+//!    twice to find a place that it passes, then once around from there and back to it.
+//! 4. A path that is not clearly better than the mask's own border is given up.
+//!
+//! Colours and all other channels count as [`crate::exemplar::stack`] weighs them. Only patches whose content may slide are cut:
+//! other masks follow the exemplar.
+
+use super::composite::paste_alpha;
+use super::cut::{CUT_STEPS, Cut};
+use super::lapped::{FaceLists, LappedTexture};
+use super::levels::Level;
+use super::stencil::Stencil;
+use super::window::waves;
+use crate::exemplar::{ChannelSet, CoverageMask, Exemplar, TexturePatch};
+use crate::mesh::SurfacePoint;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Cells of the grid along a mask. More follow finer joints; the time is their square.
+const GRID: usize = 96;
+/// Longest side of the level of the exemplar that is compared: a pixel a cell or so.
+const LEVEL_SIDE: u32 = 128;
+/// How deep inside the edge of the mask borders may run, 1 being its middle: pastes overlap by about so much.
+const DEPTH: f32 = 0.4;
+/// Distances that are tried on each way.
+const RINGS: usize = 28;
+/// How many rings a path may climb from one way to the next: at 8 it may run at 74 degrees to the mask's edge.
+const CLIMB: usize = 8;
+/// Length of a step outwards by one ring, as a share of one from way to way.
+const RISE: f32 = (DEPTH / RINGS as f32) / (8.0 / CUT_STEPS as f32);
+/// What a path costs where both sides agree: keeps it from wandering. A difference of 4 of 255.
+const FLOOR: f32 = 0.000_25;
+/// How much a place counts that pastes above hide: they may be cut there.
+const HIDDEN: f32 = 0.1;
+/// Cells whose alpha below, at its least within [`NEAR`], is less are not covered.
+const COVERED: f32 = 0.997;
+/// Radius of that, pixels of the mask below: as far as coverage looks around a sample.
+const NEAR: f32 = 1.5;
+/// Borders keep so many cells away from those that are not covered: half a cell, half the width over which alpha falls, and
+/// what coverage looks around itself.
+const MARGIN: f32 = 2.0;
+/// Ways to both sides of a hole that are uncut, of pastes that reach it within so many pixels: the middle of a sample's cell may lie
+/// off the mask where the cell does not.
+const MENDED: usize = 2;
+const AROUND: f32 = 4.0;
+/// A path must cost less than this share of what the mask's own border costs.
+const WORTH: f32 = 0.9;
+/// Width over which alpha falls along a cut, 1 being half a mask, and at least so many pixels: the usual feather.
+const SOFT: f32 = 0.03;
+const SOFT_PIXELS: f32 = 3.0;
+
+/// What [`choose_cuts`] did.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct CutStatistics {
+    /// Pastes with a cut.
+    pub cut: usize,
+    /// Pastes whose cuts were taken back, because coverage would have had holes.
+    pub given_up: usize,
+    /// Root mean square difference along visible borders, in steps of encoded colour (0 to 1), with all borders where masks end.
+    pub border_before: f64,
+    /// The same with the cuts.
+    pub border_after: f64,
+    /// Seconds.
+    pub seconds: f64,
+}
+
+/// What all pastes of a patch share.
+struct Plan {
+    /// Alpha at the middle of each cell.
+    alpha: Vec<f32>,
+    /// For each way, the first ring that lies outside the mask's border.
+    end: [usize; CUT_STEPS],
+    /// The cell at each ring of each way.
+    cell: Vec<u32>,
+    soft: f32,
+}
+
+impl Plan {
+    fn new(patch: &TexturePatch) -> Self {
+        let size = Vec2::from(patch.mask.size().map(|s| s as f32));
+        let image = patch.mask.finest();
+        let at = |uv: Vec2| image.bilinear(uv * size).x;
+        let middle = |i: usize| (Vec2::new((i % GRID) as f32, (i / GRID) as f32) + 0.5) / GRID as f32;
+        let alpha = (0..GRID * GRID).map(|i| at(middle(i))).collect();
+        let outside = |way: usize| {
+            // From the edge inwards, so that dents of the outline do not end it.
+            let inside = (0..RINGS).rev().find(|&ring| at(Cut::point(way, distance(ring))) >= 0.5);
+            inside.map_or(0, |ring| ring + 1)
+        };
+        let end = std::array::from_fn(outside);
+        let on_border = |way: usize, ring: usize| cell_of(Cut::point(way, distance(ring.min(end[way].saturating_sub(1)))));
+        let cell = (0..CUT_STEPS).flat_map(|way| (0..RINGS).map(move |ring| on_border(way, ring))).collect();
+        Self { alpha, end, cell, soft: SOFT.max(SOFT_PIXELS * 2.0 / size.max_element()) }
+    }
+}
+
+/// Distance of a ring from the middle of the mask.
+fn distance(ring: usize) -> f32 {
+    1.0 - DEPTH * (1.0 - (ring as f32 + 0.5) / RINGS as f32)
+}
+
+fn cell_of(uv: Vec2) -> u32 {
+    let cell = (uv * GRID as f32).clamp(Vec2::ZERO, Vec2::splat(GRID as f32 - 1.0));
+    cell.y as u32 * GRID as u32 + cell.x as u32
+}
+
+/// A paste against what lies below it, cell by cell.
+struct Comparison {
+    /// Squared difference times what the pastes above let through; and that share.
+    error: Vec<[f32; 2]>,
+    /// Per way, the least distance of a border from the middle.
+    least: [f32; CUT_STEPS],
+}
+
+/// A closed path: a ring per way; and weight and squared differences along the mask's border and along it.
+struct Path {
+    rings: [usize; CUT_STEPS],
+    sums: [f64; 3],
+}
+
+/// The cut of a paste, if it is worth one, and the sums of its border.
+#[derive(Default)]
+struct Found {
+    cut: Option<Box<Cut>>,
+    sums: [f64; 3],
+}
+
+struct Matcher<'a> {
+    lapped: &'a LappedTexture,
+    lists: FaceLists,
+    levels: Vec<Level>,
+    masks: &'a [CoverageMask],
+    plans: Vec<Option<Plan>>,
+}
+
+/// Cuts all pastes, once their windows are chosen. Exemplars that tile must say so by their `wrap`.
+pub fn choose_cuts(face_count: usize, lapped: &mut LappedTexture, masks: &[CoverageMask]) -> CutStatistics {
+    let begin = std::time::Instant::now();
+    let channels = lapped.exemplars.iter().map(Exemplar::channels).reduce(ChannelSet::intersection).unwrap_or_default();
+    let matcher = Matcher {
+        lists: FaceLists::new(face_count, &lapped.pastes),
+        levels: lapped.exemplars.iter().map(|e| Level::of_side(e, channels, LEVEL_SIDE)).collect(),
+        masks,
+        plans: lapped.patches.par_iter().map(|p| p.slides.then(|| Plan::new(p))).collect(),
+        lapped,
+    };
+    let order: Vec<u32> = (0..matcher.lapped.pastes.len() as u32).collect();
+    let mut cuts: Vec<Option<Box<Cut>>> = vec![None; order.len()];
+    let mut statistics = CutStatistics::default();
+    let mut sums = [0.0_f64; 3];
+    for wave in waves(face_count, &matcher.lapped.pastes, &order) {
+        let found: Vec<Found> = wave.par_iter().map(|&k| matcher.cut(k, &cuts)).collect();
+        for (&k, found) in wave.iter().zip(found) {
+            statistics.cut += usize::from(found.cut.is_some());
+            cuts[k as usize] = found.cut;
+            sums = std::array::from_fn(|i| sums[i] + found.sums[i]);
+        }
+    }
+    lapped.pastes.iter_mut().zip(cuts).for_each(|(paste, cut)| paste.cut = cut);
+    let rms = |sum: f64| if sums[0] > 0.0 { (sum / sums[0]).sqrt() } else { 0.0 };
+    (statistics.border_before, statistics.border_after) = (rms(sums[1]), rms(sums[2]));
+    statistics.seconds = begin.elapsed().as_secs_f64();
+    statistics
+}
+
+/// Takes cuts back around samples that are not covered with them; that uncovers nothing else. Returns how many pastes are whole again,
+/// and the faces of all that were mended, in order.
+pub fn mend_holes(
+    lapped: &mut LappedTexture,
+    lists: &FaceLists,
+    masks: &[CoverageMask],
+    holes: &[SurfacePoint],
+) -> (usize, Vec<u32>) {
+    let mut mended = vec![false; lapped.pastes.len()];
+    for hole in holes {
+        for &(number, slot) in lists.of(hole.face) {
+            let paste = &mut lapped.pastes[number as usize];
+            let [a, b, c] = paste.uv[slot as usize];
+            let uv = a * hole.bary.x + b * hole.bary.y + c * hole.bary.z;
+            let mask = &masks[paste.patch as usize];
+            let reaches = mask.touches(uv * Vec2::from(mask.size().map(|s| s as f32)), AROUND);
+            if let Some(cut) = paste.cut.as_mut().filter(|_| reaches) {
+                cut.mend(uv, MENDED);
+                mended[number as usize] = true;
+            }
+        }
+    }
+    let mut whole = 0;
+    let mut faces = Vec::new();
+    for (paste, _) in lapped.pastes.iter_mut().zip(mended).filter(|(_, mended)| *mended) {
+        faces.extend_from_slice(&paste.faces);
+        if paste.cut.as_deref().is_some_and(Cut::is_whole) {
+            paste.cut = None;
+            whole += 1;
+        }
+    }
+    faces.sort_unstable();
+    faces.dedup();
+    (whole, faces)
+}
+
+impl Matcher<'_> {
+    /// The cut of one paste.
+    fn cut(&self, k: u32, cuts: &[Option<Box<Cut>>]) -> Found {
+        let plan = self.plans[self.lapped.pastes[k as usize].patch as usize].as_ref();
+        let Some((plan, compared)) = plan.and_then(|plan| Some((plan, self.compare(k, plan, cuts)?))) else {
+            return Found::default();
+        };
+        let path = shortest(plan, &compared);
+        let [weight, before, after] = path.sums;
+        if after >= f64::from(WORTH) * before {
+            return Found { cut: None, sums: [weight, before, before] };
+        }
+        let step = |way: usize| {
+            let ring = path.rings[way];
+            (ring + 1 < plan.end[way]).then_some([distance(ring), plan.soft])
+        };
+        Found { cut: Some(Box::new(Cut::new(step))), sums: path.sums }
+    }
+
+    /// Compares a paste with what lies below. `None` if nothing does.
+    fn compare(&self, k: u32, plan: &Plan, cuts: &[Option<Box<Cut>>]) -> Option<Comparison> {
+        let paste = &self.lapped.pastes[k as usize];
+        let mut compared = Comparison { error: vec![[0.0; 2]; GRID * GRID], least: [0.0; CUT_STEPS] };
+        let mut any = false;
+        let mut below = Vec::new();
+        let side = GRID as f32;
+        for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
+            let [a, b, c] = uv.map(|p| p * side);
+            let low = (a.min(b).min(c) - 0.5).ceil().max(Vec2::ZERO);
+            let high = (a.max(b).max(c) - 0.5).floor().min(Vec2::splat(side - 1.0));
+            let turn = (b - a).perp_dot(c - a);
+            if turn == 0.0 || !low.cmple(high).all() {
+                continue;
+            }
+            let list = self.lists.of(face);
+            let own = list.partition_point(|&(paste, _)| paste < k);
+            for y in low.y as usize..=high.y as usize {
+                for x in low.x as usize..=high.x as usize {
+                    let cell = y * GRID + x;
+                    let p = Vec2::new(x as f32, y as f32) + 0.5;
+                    let place = Cut::place(p / side);
+                    if plan.alpha[cell] <= 0.0 || place.1 < 1.0 - DEPTH - 4.0 / side {
+                        continue;
+                    }
+                    let bary = Vec3::new((c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)) / turn;
+                    if bary.min_element() < 0.0 {
+                        continue;
+                    }
+                    let [covered, least] = self.below(&list[..own], bary, cuts, &mut below);
+                    if least < COVERED {
+                        compared.keep_inside(place);
+                        continue;
+                    }
+                    any = true;
+                    let above = |&(paste, slot): &(u32, u32)| {
+                        1.0 - paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, bary)
+                    };
+                    let seen: f32 = list[own + 1..].iter().map(above).product();
+                    let weight = seen.max(HIDDEN);
+                    let shown = self.shown(k, list[own].1, bary);
+                    let error: f32 = shown.iter().zip(&below).map(|(a, b)| (a - b / covered) * (a - b / covered)).sum();
+                    compared.error[cell] = [weight * error, weight];
+                }
+            }
+        }
+        any.then_some(compared)
+    }
+
+    /// Adds up what the pastes of a list show; returns their alpha together, there and at its least near there.
+    fn below(&self, list: &[(u32, u32)], bary: Vec3, cuts: &[Option<Box<Cut>>], to: &mut Vec<f32>) -> [f32; 2] {
+        to.clear();
+        let mut clear = [1.0; 2];
+        for &(number, slot) in list.iter().rev() {
+            let paste = &self.lapped.pastes[number as usize];
+            let cut = cuts[number as usize].as_deref();
+            let mask = &self.masks[paste.patch as usize];
+            let [a, b, c] = paste.uv[slot as usize];
+            let uv = a * bary.x + b * bary.y + c * bary.z;
+            let pixel = uv * Vec2::from(mask.size().map(|s| s as f32));
+            let alpha = mask.alpha(pixel) * cut.map_or(1.0, |cut| cut.alpha(uv, 0.0));
+            if alpha <= 0.0 {
+                continue;
+            }
+            let share = clear[0] * alpha;
+            let shown = self.shown(number, slot, bary);
+            to.resize(shown.len(), 0.0);
+            to.iter_mut().zip(shown).for_each(|(sum, v)| *sum += share * v);
+            let least = f32::from(Stencil::new(mask, cut).eroded_alpha(pixel, NEAR)) / 254.0;
+            clear = [clear[0] - share, clear[1] * (1.0 - least.min(1.0))];
+            if clear[1] < 1.0 - COVERED {
+                break;
+            }
+        }
+        clear.map(|clear| 1.0 - clear)
+    }
+
+    /// What a paste shows at a point.
+    fn shown(&self, number: u32, slot: u32, bary: Vec3) -> &[f32] {
+        let paste = &self.lapped.pastes[number as usize];
+        let patch = &self.lapped.patches[paste.patch as usize];
+        let [a, b, c] = paste.uv[slot as usize];
+        let uv = a * bary.x + b * bary.y + c * bary.z;
+        let pixel = uv * Vec2::from(patch.mask.size().map(|s| s as f32)) + Vec2::from(patch.origin.map(|o| o as f32));
+        let level = &self.levels[patch.exemplar as usize];
+        level.at(level.cell(pixel + paste.offset))
+    }
+}
+
+impl Comparison {
+    /// What lies there is covered by nobody else.
+    fn keep_inside(&mut self, (way, at): (usize, f32)) {
+        let margin = MARGIN * 2.0 / GRID as f32;
+        // A cell and its margin span so many ways.
+        let aside = (CUT_STEPS as f32 / 8.0 * margin / at.max(margin)).ceil() as usize;
+        for way in way + CUT_STEPS - aside..=way + CUT_STEPS + aside {
+            let least = &mut self.least[way % CUT_STEPS];
+            *least = least.max(at + margin);
+        }
+    }
+}
+
+/// The closed path of least difference.
+fn shortest(plan: &Plan, compared: &Comparison) -> Path {
+    // From the mask's border on, all rings stand for it.
+    let cost: Vec<[f32; RINGS]> = (0..CUT_STEPS)
+        .map(|way| {
+            std::array::from_fn(|ring| {
+                let inside = ring + 1 < plan.end[way];
+                let open = inside && distance(ring) < compared.least[way];
+                if open { f32::INFINITY } else { FLOOR + compared.error[plan.cell[way * RINGS + ring] as usize][0] }
+            })
+        })
+        .collect();
+    let twice = around(&cost, 2, None);
+    let rings = around(&cost, 1, Some(twice[CUT_STEPS]));
+    let mut path = Path { rings: [0; CUT_STEPS], sums: [0.0; 3] };
+    for (way, (ring, chosen)) in path.rings.iter_mut().zip(rings).enumerate() {
+        *ring = chosen;
+        let at = |ring: usize| compared.error[plan.cell[way * RINGS + ring] as usize].map(f64::from);
+        path.sums[0] += at(RINGS - 1)[1];
+        path.sums[1] += at(RINGS - 1)[0];
+        path.sums[2] += at(chosen)[0];
+    }
+    path
+}
+
+/// The cheapest path so many times around, from way 0 back to it: at a ring given, or anywhere. One ring more than ways passed.
+fn around(cost: &[[f32; RINGS]], times: usize, ends: Option<usize>) -> Vec<usize> {
+    let length: [f32; CLIMB + 1] = std::array::from_fn(|climb| (1.0 + (climb as f32 * RISE).powi(2)).sqrt() * 0.5);
+    let mut total: [f32; RINGS] = std::array::from_fn(|ring| if ends.is_none_or(|e| e == ring) { 0.0 } else { f32::INFINITY });
+    let mut before = cost[0];
+    let mut from: Vec<[u8; RINGS]> = Vec::with_capacity(times * CUT_STEPS);
+    for way in 1..=times * CUT_STEPS {
+        let here = cost[way % CUT_STEPS];
+        let (mut next, mut came) = ([f32::INFINITY; RINGS], [0; RINGS]);
+        for ring in 0..RINGS {
+            for last in ring.saturating_sub(CLIMB)..=(ring + CLIMB).min(RINGS - 1) {
+                let sum = total[last] + length[ring.abs_diff(last)] * (before[last] + here[ring]);
+                if sum < next[ring] {
+                    (next[ring], came[ring]) = (sum, last as u8);
+                }
+            }
+        }
+        (total, before) = (next, here);
+        from.push(came);
+    }
+    let cheapest = || (0..RINGS).rev().min_by(|&a, &b| total[a].total_cmp(&total[b])).unwrap_or(RINGS - 1);
+    let mut rings = vec![ends.unwrap_or_else(cheapest)];
+    for came in from.iter().rev() {
+        rings.push(usize::from(came[rings[rings.len() - 1]]));
+    }
+    rings.reverse();
+    rings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    /// What a path costs.
+    fn price(cost: &[[f32; RINGS]], rings: &[usize]) -> f32 {
+        let step = |(way, pair): (usize, &[usize])| {
+            let rise = pair[0].abs_diff(pair[1]) as f32 * RISE;
+            0.5 * (cost[way][pair[0]] + cost[(way + 1) % CUT_STEPS][pair[1]]) * rise.hypot(1.0)
+        };
+        rings.windows(2).enumerate().map(step).sum()
+    }
+
+    #[test]
+    fn a_path_follows_a_valley_and_comes_back_to_where_it_began() {
+        let valley = |way: usize| {
+            let turn = std::f32::consts::TAU * way as f32 / CUT_STEPS as f32;
+            (RINGS as f32 * (0.5 + 0.4 * (2.0 * turn).sin())) as usize
+        };
+        let cost: Vec<[f32; RINGS]> =
+            (0..CUT_STEPS).map(|way| std::array::from_fn(|ring| if ring == valley(way) { 0.01 } else { 1.0 })).collect();
+        let start = around(&cost, 2, None)[CUT_STEPS];
+        let rings = around(&cost, 1, Some(start));
+        assert_eq!(rings.first(), rings.last(), "closed");
+        for way in 0..CUT_STEPS {
+            assert_eq!(rings[way], valley(way), "way {way}");
+        }
+    }
+
+    #[test]
+    fn no_closed_path_through_its_beginning_is_cheaper() {
+        let mut random = Random::new(4, 0);
+        let cost: Vec<[f32; RINGS]> = (0..CUT_STEPS).map(|_| std::array::from_fn(|_| random.unit() as f32)).collect();
+        let rings = around(&cost, 1, Some(7));
+        let best = price(&cost, &rings);
+        for _ in 0..2000 {
+            // Another path that leaves it for a while.
+            let mut other = rings.clone();
+            let way = 1 + random.below(CUT_STEPS as u64 - 2) as usize;
+            other[way] = (other[way] + random.below(3) as usize).saturating_sub(1).min(RINGS - 1);
+            if other.windows(2).all(|w| w[0].abs_diff(w[1]) <= CLIMB) {
+                assert!(price(&cost, &other) >= best - 1e-4, "cheaper by way {way}");
+            }
+        }
+    }
+}
