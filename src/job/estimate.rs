@@ -39,8 +39,8 @@ const CELL: f64 = 0.75;
 /// coverage cell.
 const SECONDS: [f64; 6] = [0.05, 2.2e-5, 5.5e-5, 6.5e-4, 2.5e-6, 1.2e-7];
 
-/// Seconds of one core that choosing the window of a paste adds.
-const WINDOW_PASTE: f64 = 3e-3;
+/// Seconds of one core that choosing the window of a paste adds, and its cut.
+const WINDOW_PASTE: f64 = 5.7e-3;
 
 /// What an estimate goes by.
 #[derive(Debug, Clone, PartialEq)]
