@@ -6,7 +6,7 @@ use glam::Vec2;
 
 /// One level of an exemplar as numbers to match, repeated once to the right and down, so that windows need no remainder.
 pub(super) struct Level {
-    pub(super) size: [usize; 2],
+    size: [usize; 2],
     /// Pixels of it along one of the exemplar's.
     pub(super) scale: Vec2,
     pub(super) components: usize,

@@ -37,7 +37,7 @@ const LEVEL_SIDE: u32 = 128;
 const DEPTH: f32 = 0.4;
 /// Distances that are tried on each way.
 const RINGS: usize = 28;
-/// How many rings a path may climb from one way to the next: at 8 it may run at 74 degrees to the mask's edge.
+/// How many rings a path may climb from one way to the next: at 8 it may run at 61 degrees to the mask's edge.
 const CLIMB: usize = 8;
 /// Length of a step outwards by one ring, as a share of one from way to way.
 const RISE: f32 = (DEPTH / RINGS as f32) / (8.0 / CUT_STEPS as f32);
