@@ -87,7 +87,7 @@ fn figure_7(wanted: &[String]) {
         let clock = Clock::start();
         let fields = on_pyramid(&mesh, ways, &NWayOptions::default(), &Silent);
         let relax = clock.told();
-        let right = mesh.levels.iter().zip(&fields.fields).map(|(l, f)| combed_right(&l.mesh, f)).collect();
+        let right = fields.tables.iter().zip(&fields.fields).map(|(t, f)| combed_right(t, f)).collect();
         let random = random_right(&mesh, 1);
         for (told, right, searches) in [(ways.to_string(), right, &SEARCHES[..]), ("none".to_owned(), random, &SEARCHES[..1])] {
             for &search in searches {
@@ -122,7 +122,7 @@ fn growth(wanted: &[String]) {
         let retile = clock.told();
         let clock = Clock::start();
         let fields = on_pyramid(&mesh, 1, &NWayOptions::default(), &Silent);
-        let right = mesh.levels.iter().zip(&fields.fields).map(|(l, f)| combed_right(&l.mesh, f)).collect();
+        let right = fields.tables.iter().zip(&fields.fields).map(|(t, f)| combed_right(t, f)).collect();
         let relax = clock.told();
         let clock = Clock::start();
         let levels = Levels::of_pyramid(mesh, right);

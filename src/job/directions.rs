@@ -45,7 +45,7 @@ pub(super) fn directions(
     let relaxed = |n: u32| {
         let options = NWayOptions { nearest: way.nearest, seed: way.seed, ..NWayOptions::default() };
         let fields = on_pyramid(pyramid, n, &options, progress);
-        let right = pyramid.levels.iter().zip(&fields.fields).map(|(l, f)| combed_right(&l.mesh, f)).collect();
+        let right = fields.tables.iter().zip(&fields.fields).map(|(t, f)| combed_right(t, f)).collect();
         (right, fields.statistics.first().map(|s| s.singularities))
     };
     let up = |axis: DVec3| {
@@ -62,7 +62,7 @@ pub(super) fn directions(
                 let solver = NWaySolver::new(mesh, Over::Vertices, 2);
                 let mut wishes = vec![DVec2::ZERO; mesh.vertex_count()];
                 least_curvature(mesh, &solver.table, 2, &mut wishes, &curvature(mesh), 1.0);
-                combed_right(mesh, &solver.solve(&wishes, &NWayOptions::default(), progress).0)
+                combed_right(&solver.table, &solver.solve(&wishes, &NWayOptions::default(), progress).0)
             };
             (pyramid.levels.iter().map(|l| level(&l.mesh)).collect(), None)
         }

@@ -30,7 +30,7 @@ pub use estimate::{Estimate, Work, available_memory};
 pub use moving::Moving;
 pub use painted::Painted;
 pub use paste::{
-    ExemplarInput, Guided, JobError, JobReport, Laid, PasteJob, Pasted, Scale, Steer, TakeDraft, cut_patches, guided, lay,
+    Draft, Drafts, ExemplarInput, Guided, JobError, JobReport, Laid, PasteJob, Pasted, Scale, Steer, cut_patches, guided, lay,
     lay_with_draft, paste_model,
 };
 pub use project::{Link, Project, ProjectError, ProjectExemplar};

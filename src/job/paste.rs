@@ -22,6 +22,7 @@ use crate::format::{Model, Record};
 use crate::mesh::curvature::curvature;
 use crate::mesh::subdivide::{Subdivision, cut_larger};
 use crate::mesh::{CleanOptions, CleanReport, Cleaned, Mesh, MeshError, clean};
+use crate::paste::draft::draft;
 use crate::paste::{Finish, LappedTexture, PasteError, PasteOptions, PasteStatistics, Seeding, cover};
 use crate::progress::{Progress, Silent};
 use glam::DVec3;
@@ -271,6 +272,15 @@ impl Laid {
         self.fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh)
     }
 
+    /// Where its pastes began, on another subdivision of the same clean mesh.
+    fn seedings_on(&self, fine: Option<&Subdivision>) -> Vec<Seeding> {
+        let moved = |seeding: &Seeding| {
+            let at = self.fine.as_ref().map_or(seeding.at, |from| from.origin(seeding.at));
+            Seeding { at: fine.map_or(at, |to| to.locate(at)), ..*seeding }
+        };
+        self.seedings.iter().map(moved).collect()
+    }
+
     /// The model with the pastes on its faces, ready to be written; `cleaned` is what was pasted on.
     #[must_use]
     pub fn record(&self, model: &Model, cleaned: &Cleaned) -> Record {
@@ -308,10 +318,30 @@ pub fn lay(
     lay_with_draft(cleaned, exemplars, patches, job, progress, None)
 }
 
-/// What takes a draft.
-pub type TakeDraft<'a> = &'a mut dyn FnMut(Laid);
+/// How much a draft leaves out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Draft {
+    /// The pastes of before, laid again where they were ([`draft()`]): there may be holes. Figures are those of before.
+    Again,
+    /// The pastes that are to be, without windows and cuts.
+    Uncut,
+}
 
-/// [`lay`], with a draft before windows and cuts are chosen, if they are to be: the same pastes, as their patches were cut.
+/// Who wants drafts.
+pub struct Drafts<'a> {
+    /// What is done with each.
+    pub take: &'a mut dyn FnMut(Draft, Laid),
+    /// What was laid on the same clean mesh before, if anything was.
+    pub before: Option<&'a Laid>,
+}
+
+impl std::fmt::Debug for Drafts<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Drafts").field("before", &self.before.is_some()).finish_non_exhaustive()
+    }
+}
+
+/// [`lay`] with drafts: at once with what was laid before, and once all pastes lie but windows and cuts are not chosen, if they are to be.
 ///
 /// # Errors
 /// As [`lay`].
@@ -321,20 +351,27 @@ pub fn lay_with_draft(
     patches: Vec<TexturePatch>,
     job: &PasteJob,
     progress: &dyn Progress,
-    draft: Option<TakeDraft<'_>>,
+    mut drafts: Option<Drafts<'_>>,
 ) -> Result<Laid, JobError> {
     let begin = Instant::now();
     progress.stage("making the field", 0);
     let Guided { fine, guide, mut report } = guided(cleaned, &exemplars, job)?;
     report.patches = patches.len();
     let mesh = fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh);
+    if let Some(Drafts { take, before: Some(before) }) = &mut drafts {
+        let seedings = before.seedings_on(fine.as_ref());
+        if let Some((lapped, seedings)) = draft(mesh, &guide, exemplars.clone(), patches.clone(), &seedings, &job.paste)? {
+            let report = JobReport { paste: before.report.paste.clone(), ..report.clone() };
+            take(Draft::Again, Laid { fine: fine.clone(), lapped, seedings, guide: guide.clone(), report });
+        }
+    }
     let difficulty = difficulty(mesh, &guide);
     report.prepare_seconds = begin.elapsed().as_secs_f64();
 
     let covered = cover(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
-    if let Some(draft) = draft.filter(|_| job.paste.windows || job.paste.cuts) {
+    if let Some(Drafts { take, .. }) = drafts.filter(|_| job.paste.windows || job.paste.cuts) {
         let made = covered.clone().finish(mesh, Finish { windows: false, cuts: false }, progress);
-        draft(Laid::new(fine.clone(), guide.clone(), report.clone(), made));
+        take(Draft::Uncut, Laid::new(fine.clone(), guide.clone(), report.clone(), made));
         if progress.cancelled() {
             return Err(PasteError::Cancelled.into());
         }

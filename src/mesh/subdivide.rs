@@ -60,6 +60,13 @@ impl Subdivision {
         best.1
     }
 
+    /// The coarse surface point at a point of the fine mesh.
+    #[must_use]
+    pub fn origin(&self, at: SurfacePoint) -> SurfacePoint {
+        let bary = Mat3::from_cols_array_2d(&self.corners[at.face as usize].map(Into::into)) * at.bary;
+        SurfacePoint { face: self.parent[at.face as usize], bary }
+    }
+
     /// This subdivision followed by one of its mesh, as a single one.
     #[must_use]
     pub fn then(&self, finer: Self) -> Self {

@@ -90,6 +90,7 @@ pub struct Finder<'a> {
 impl Finder<'_> {
     /// The nearest row among those of `leaves` leaves, if it is nearer than `within` (a squared distance), and its own squared
     /// distance; with as many leaves as there are, the nearest of all.
+    #[inline(always)]
     pub fn nearest(&mut self, query: &[f32], leaves: usize, within: f32) -> Option<(u32, f32)> {
         let tree = self.tree;
         let mut best = (within, u32::MAX);

@@ -71,17 +71,20 @@ fn covariance(rows: &[&[f32]], mean: &[f32]) -> Vec<f32> {
     let dims = mean.len();
     let centred: Vec<f32> = rows.iter().flat_map(|r| r.iter().zip(mean).map(|(x, m)| x - m)).collect();
     let mut out = vec![0.0_f32; dims * dims];
-    out.par_chunks_mut(STRIP * dims).enumerate().for_each(|(strip, out)| {
-        for row in centred.chunks_exact(dims) {
-            for (i, line) in out.chunks_exact_mut(dims).enumerate() {
-                // The other half is its mirror image.
-                let from = strip * STRIP + i;
-                let x = row[from];
-                for (o, &y) in line[from..].iter_mut().zip(&row[from..]) {
-                    *o += x * y;
+    let strips = out.par_chunks_mut(STRIP * dims).enumerate();
+    strips.for_each(|(strip, out)| {
+        Arch::new().dispatch(|| {
+            for row in centred.chunks_exact(dims) {
+                for (i, line) in out.chunks_exact_mut(dims).enumerate() {
+                    // The other half is its mirror image.
+                    let from = strip * STRIP + i;
+                    let x = row[from];
+                    for (o, &y) in line[from..].iter_mut().zip(&row[from..]) {
+                        *o += x * y;
+                    }
                 }
             }
-        }
+        })
     });
     for i in 0..dims {
         for j in 0..i {

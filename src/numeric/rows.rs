@@ -101,7 +101,7 @@ impl Rows {
 }
 
 /// The squared distance of two vectors.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn distance_squared(a: &[f32], b: &[f32]) -> f32 {
     // Four sums side by side, which the compiler turns into one of vectors.

@@ -34,6 +34,8 @@ pub struct FitChoice {
     pub weights: Weights,
     /// What to do for isotropic guides.
     pub isotropic: IsotropicFit,
+    /// Grow and fit only once: the patch may end short of its outline, and lies nearly where it belongs.
+    pub once: bool,
 }
 
 /// A surface patch laid flat over its texture patch.
@@ -139,6 +141,10 @@ fn lay_evenly(
         // Seen as soon as the first draft: what it stretches the last fit stretches too.
         if rule.evened() && bad_share(site.mesh, grower.disc(), rule.frames()) > MAX_BAD_AREA {
             return Some(Outcome::Stretched { iterations: iterations + fit.iterations() });
+        }
+        if choice.once {
+            iterations += fit.iterations();
+            break;
         }
         rule.moved(grower.disc());
         let joined = if regrowths < REGROWTHS { grower.grow(&mut rule) } else { 0 };

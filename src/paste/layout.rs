@@ -472,7 +472,7 @@ impl<'a> Loop<'a> {
 }
 
 /// The paste of a laid patch: the faces that the mask reaches, and for each face of the disc its place among them.
-fn record(laid: &Laid, patch: u16, plan: &PatchPlan, mask: &CoverageMask) -> (Paste, Vec<Option<u32>>) {
+pub(super) fn record(laid: &Laid, patch: u16, plan: &PatchPlan, mask: &CoverageMask) -> (Paste, Vec<Option<u32>>) {
     let mut paste = Paste { patch, faces: Vec::new(), uv: Vec::new(), offset: Vec2::ZERO, cut: None };
     let mut place = vec![None; laid.disc.faces.len()];
     for (i, &face) in laid.disc.faces.iter().enumerate() {

@@ -6,7 +6,7 @@
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
 //! again, [`order`] sorts the pastes so that hard edges hide, [`window`] chooses what each of them shows and [`seam`] where it
 //! ends, and what nobody can see is dropped. The result is a
-//! [`LappedTexture`]; [`Composite`] shows it.
+//! [`LappedTexture`]; [`Composite`] shows it. [`draft`](mod@draft) shows at once what a change will bring.
 
 pub mod audit;
 pub mod composite;
@@ -14,6 +14,7 @@ pub mod composite_backend;
 pub mod coverage;
 pub mod coverage_backend;
 pub mod cut;
+pub mod draft;
 pub mod fit;
 pub mod frame;
 pub mod grow;
@@ -147,7 +148,7 @@ impl PasteOptions {
     }
 
     fn fit(&self) -> lay::FitChoice {
-        lay::FitChoice { weights: self.weights, isotropic: self.isotropic_fit }
+        lay::FitChoice { weights: self.weights, isotropic: self.isotropic_fit, once: false }
     }
 }
 

@@ -4,7 +4,7 @@ use super::fan::{Fans, Frame};
 use super::neighbourhood::{Ground, Neighbourhoods};
 use super::window::Window;
 use crate::field::NWayField;
-use crate::field::nway::{Connection, Over};
+use crate::field::nway::Connection;
 use crate::mesh::pyramid::{Parent, Pyramid, parents};
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::random::Random;
@@ -126,14 +126,13 @@ fn points(parents: Vec<Parent>) -> Vec<SurfacePoint> {
     parents.into_iter().map(|p| p.at).collect()
 }
 
-/// Directions of texture right from an n-way field over a mesh's vertices: one of the n at each vertex, the one that goes on
+/// Directions of texture right from an n-way field over a mesh's vertices, measured against `table`: one of the n at each vertex, the one that goes on
 /// from its neighbours'. From vertex to vertex, ring by ring; where two ways around a singularity meet, the choice jumps by
 /// an n-th turn, over which an n-way exemplar goes on.
 #[must_use]
-pub fn combed_right(mesh: &Mesh, field: &NWayField) -> Vec<DVec3> {
-    let table = Connection::new(mesh, Over::Vertices);
+pub fn combed_right(table: &Connection, field: &NWayField) -> Vec<DVec3> {
     let part = TAU / f64::from(field.n);
-    let mut angles: Vec<f64> = field.powers.iter().map(|p| p.to_angle() / f64::from(field.n)).collect();
+    let mut angles: Vec<f64> = field.powers.par_iter().map(|p| p.to_angle() / f64::from(field.n)).collect();
     let mut done = vec![false; angles.len()];
     let mut queue = VecDeque::new();
     for seed in 0..angles.len() as u32 {
@@ -152,7 +151,7 @@ pub fn combed_right(mesh: &Mesh, field: &NWayField) -> Vec<DVec3> {
             }
         }
     }
-    (0..angles.len()).map(|v| table.direction(v as u32, angles[v])).collect()
+    angles.par_iter().enumerate().map(|(v, &angle)| table.direction(v as u32, angle)).collect()
 }
 
 /// A random direction at each vertex of each level (WL 3.1).

@@ -17,7 +17,8 @@ const CHUNK: usize = 512;
 #[derive(Debug, Clone)]
 pub(super) struct Samples {
     pub(super) per: usize,
-    blends: Vec<Blend>,
+    /// Of [`CHUNK`] vertices each, as the threads made them.
+    blends: Vec<Vec<Blend>>,
 }
 
 /// What flattening met.
@@ -30,7 +31,7 @@ pub(super) struct Met {
 impl Samples {
     #[inline]
     pub(super) fn of(&self, vertex: u32) -> &[Blend] {
-        &self.blends[vertex as usize * self.per..][..self.per]
+        &self.blends[vertex as usize / CHUNK][vertex as usize % CHUNK * self.per..][..self.per]
     }
 
     /// The numbers at a vertex's samples, one sample after another.
@@ -69,24 +70,24 @@ impl Samples {
         let side = (2 * radius + 1) as usize;
         let (whole, per) = (side * side, side * side - usize::from(!middle));
         let nothing = Blend { vertices: [fans.len() as u32; 3], shares: [1.0, 0.0, 0.0] };
-        let mut blends = vec![nothing; count * per];
-        let chunks = blends.par_chunks_mut((CHUNK * per).max(1)).enumerate();
-        let met = chunks.map_init(
+        let chunks = (0..count.div_ceil(CHUNK)).into_par_iter().map_init(
             || (Flattener::new(fans), Vec::new(), vec![None; whole]),
-            |(flattener, begin, square), (chunk, out)| {
+            |(flattener, begin, square), chunk| {
                 (flattener.flipped, flattener.uncovered) = (0, 0);
-                for (k, out) in out.chunks_exact_mut(per.max(1)).enumerate() {
+                let mut blends = Vec::with_capacity(CHUNK * per);
+                for v in chunk * CHUNK..count.min((chunk + 1) * CHUNK) {
                     begin.clear();
-                    seeds((chunk * CHUNK + k) as u32, begin);
+                    seeds(v as u32, begin);
                     flattener.square(begin, radius, square);
                     let kept = square.iter().enumerate().filter(|(i, _)| middle || *i != whole / 2);
-                    kept.zip(out).for_each(|((_, found), out)| *out = found.unwrap_or(nothing));
+                    blends.extend(kept.map(|(_, found)| found.unwrap_or(nothing)));
                 }
-                Met { flipped: flattener.flipped, uncovered: flattener.uncovered }
+                (blends, Met { flipped: flattener.flipped, uncovered: flattener.uncovered })
             },
         );
-        let met = met.reduce(Met::default, |a, b| Met { flipped: a.flipped + b.flipped, uncovered: a.uncovered + b.uncovered });
-        (Self { per, blends }, met)
+        let (blends, met): (Vec<Vec<Blend>>, Vec<Met>) = chunks.unzip();
+        let sum = |a: Met, b: &Met| Met { flipped: a.flipped + b.flipped, uncovered: a.uncovered + b.uncovered };
+        (Self { per, blends }, met.iter().fold(Met::default(), sum))
     }
 }
 

@@ -20,6 +20,7 @@ use crate::numeric::pca::Pca;
 use crate::numeric::rows::Rows;
 use crate::progress::Progress;
 use crate::random::Random;
+use pulp::Arch;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -165,7 +166,7 @@ fn search(candidates: &Candidates, up_only: bool, kind: SearchKind) -> Box<dyn S
                 |row, (i, out)| {
                     row.clear();
                     candidates.row(i, up_only, row);
-                    pca.project(row, out);
+                    Arch::new().dispatch(|| pca.project(row, out));
                 },
             );
             Box::new(Fast::new(pca, projected))

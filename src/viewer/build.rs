@@ -8,7 +8,7 @@ use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::{Guide, TangentField};
 use crate::format::{FormatError, Record};
 use crate::job::project::{Direction, ProjectExemplar};
-use crate::job::{JobError, JobReport, Laid, Project, Steer, cut_patches, lay_with_draft};
+use crate::job::{Draft, Drafts, JobError, JobReport, Laid, Project, Steer, cut_patches, lay_with_draft};
 use crate::mesh::Mesh;
 use crate::paste::{LappedTexture, PasteError};
 use crate::progress::Progress;
@@ -49,8 +49,8 @@ impl BuildError {
 pub struct Shown {
     /// The document's revision that it was made for.
     pub revision: u64,
-    /// True of a first answer, whose windows are not chosen yet.
-    pub draft: bool,
+    /// What it leaves out, if it is a first answer.
+    pub draft: Option<Draft>,
     /// The project as it was then.
     pub project: Project,
     /// The model.
@@ -71,7 +71,12 @@ impl Shown {
     /// A number of its own for each answer: what was made of a draft is out of date once the whole is there.
     #[must_use]
     pub const fn number(&self) -> u64 {
-        2 * self.revision + if self.draft { 0 } else { 1 }
+        3 * self.revision
+            + match self.draft {
+                Some(Draft::Again) => 0,
+                Some(Draft::Uncut) => 1,
+                None => 2,
+            }
     }
 
     /// The mesh that is drawn.
@@ -178,8 +183,8 @@ impl Kitchen {
     }
 }
 
-/// Builds what is to be shown of a project that has a model. `take_draft` gets a first answer soon after a change: the same pastes
-/// without what takes long and changes little.
+/// Builds what is to be shown of a project that has a model. `take_draft` gets first answers soon after a change ([`Draft`]), sooner
+/// if what was shown before it is there.
 ///
 /// # Errors
 /// If anything it names cannot be read, it cannot be pasted, or does not fit the device.
@@ -189,6 +194,7 @@ pub fn build(
     kitchen: &Kitchen,
     library: &Library,
     renderer: &Renderer,
+    before: Option<&Shown>,
     progress: &dyn Progress,
     take_draft: &dyn Fn(Shown),
 ) -> Result<Option<Shown>, BuildError> {
@@ -196,7 +202,7 @@ pub fn build(
     let Some(link) = &project.model else { return Ok(None) };
     progress.stage("reading the model", 0);
     let open = library.model(link)?;
-    let shown = |laid: Option<Laid>, cut: Option<&Cut>, draft: bool| -> Result<Shown, BuildError> {
+    let shown = |laid: Option<Laid>, cut: Option<&Cut>, draft: Option<Draft>| -> Result<Shown, BuildError> {
         progress.stage("preparing the picture", 0);
         let mesh = laid.as_ref().map_or(&open.cleaned.mesh, |laid| laid.mesh(&open.cleaned));
         let stage = Stage::new(mesh, &DrawOptions::default());
@@ -214,7 +220,7 @@ pub fn build(
         Ok(Shown { revision, draft, project, open, laid, subject, normals, told, seconds })
     };
     if project.exemplars.is_empty() {
-        return shown(None, None, false).map(Some);
+        return shown(None, None, None).map(Some);
     }
     progress.stage("cutting texture patches", 0);
     let cut = kitchen.cut(project, library, renderer)?;
@@ -225,14 +231,16 @@ pub fn build(
     job.memory = crate::job::available_memory();
     job.paste.masks = Some(Arc::clone(&cut.masks));
     let mut failed = None;
-    let mut draft = |laid| match shown(Some(laid), Some(&cut), true) {
+    let mut take = |draft, laid| match shown(Some(laid), Some(&cut), Some(draft)) {
         Ok(draft) => take_draft(draft),
         Err(error) => failed = Some(error),
     };
-    let laid = lay_with_draft(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress, Some(&mut draft))?;
+    let before = before.filter(|before| Arc::ptr_eq(&before.open, &open)).and_then(|before| before.laid.as_ref());
+    let drafts = Drafts { take: &mut take, before };
+    let laid = lay_with_draft(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress, Some(drafts))?;
     match failed {
         Some(error) => Err(error),
-        None => shown(Some(laid), Some(&cut), false).map(Some),
+        None => shown(Some(laid), Some(&cut), None).map(Some),
     }
 }
 

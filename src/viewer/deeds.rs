@@ -185,7 +185,7 @@ impl App {
         let Some(shown) = self.shown.clone() else {
             return self.tell(DeedError::Nothing("model").to_string(), true);
         };
-        if shown.draft && what != Action::ExportSynthesis {
+        if shown.draft.is_some() && what != Action::ExportSynthesis {
             return self.tell("what is shown is a draft, its borders are being matched: export once that is done".to_owned(), true);
         }
         let camera = self.viewport.orbit.camera();

@@ -117,10 +117,10 @@ impl App {
         }
         self.building = Some(project.clone());
         let (kitchen, library) = (Arc::clone(&self.kitchen), Arc::clone(&self.library));
-        let renderer = Arc::clone(&self.graphics.renderer);
+        let (renderer, before) = (Arc::clone(&self.graphics.renderer), self.shown.clone());
         self.builds.submit(move |meter, deliver| {
             let draft = |shown| deliver(Ok(Some(Box::new(shown))));
-            let made = build(&project, revision, &kitchen, &library, &renderer, &**meter, &draft);
+            let made = build(&project, revision, &kitchen, &library, &renderer, before.as_deref(), &**meter, &draft);
             deliver(made.map(|shown| shown.map(Box::new)));
         });
     }

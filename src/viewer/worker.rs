@@ -1,7 +1,8 @@
 //! Work off the thread that draws: a [`Lane`] does one job at a time, and of those that wait only the latest.
 //!
 //! While somebody drags a slider, jobs are asked for faster than they end. One that is quick is let to its end, so that the picture
-//! follows the hand; one that takes longer than `PATIENCE` is told to stop when a newer one is waiting.
+//! follows the hand; one that has brought a first answer, or takes longer than `PATIENCE` for it, is told to stop when a newer one is
+//! waiting.
 
 use crate::progress::Progress;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -18,6 +19,7 @@ pub struct Meter {
     total: AtomicU64,
     done: AtomicU64,
     cancelled: AtomicBool,
+    answered: AtomicBool,
     begin: Instant,
 }
 
@@ -28,6 +30,7 @@ impl Default for Meter {
             total: AtomicU64::new(0),
             done: AtomicU64::new(0),
             cancelled: AtomicBool::new(false),
+            answered: AtomicBool::new(false),
             begin: Instant::now(),
         }
     }
@@ -37,6 +40,11 @@ impl Meter {
     /// Asks the job to stop.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// True if it may be stopped for a newer one.
+    fn has_had_its_time(&self) -> bool {
+        self.answered.load(Ordering::Relaxed) || self.elapsed() > PATIENCE
     }
 
     /// The stage's name, and the share of it that is done if that is known.
@@ -119,7 +127,7 @@ impl<T: Send + 'static> Lane<T> {
     /// Asks for a job instead of the one that waits, if one does.
     pub fn submit(&self, job: impl FnOnce(&Arc<Meter>, Deliver<'_, T>) + Send + 'static) {
         let mut state = lock(&self.shared.state);
-        if let Some(running) = state.running.as_ref().filter(|m| m.elapsed() > PATIENCE) {
+        if let Some(running) = state.running.as_ref().filter(|m| m.has_had_its_time()) {
             running.cancel();
         }
         state.next = Some((Arc::default(), Box::new(job)));
@@ -172,7 +180,13 @@ impl<T> Shared<T> {
         state.running = Some(Arc::clone(&meter));
         drop(state);
         job(&meter, &|result| {
-            lock(&self.state).results.push(result);
+            let mut state = lock(&self.state);
+            state.results.push(result);
+            meter.answered.store(true, Ordering::Relaxed);
+            if state.next.is_some() {
+                meter.cancel();
+            }
+            drop(state);
             (self.wake)();
         });
         lock(&self.state).running = None;
@@ -221,6 +235,28 @@ mod tests {
             results.extend(lane.take());
         }
         assert_eq!(results, [1, 3], "the second was never begun");
+    }
+
+    #[test]
+    fn a_job_that_has_answered_makes_way_for_a_newer_one() {
+        let lane: Lane<u32> = Lane::new("test", || ());
+        let draft_then_wait = |meter: &Arc<Meter>, deliver: Deliver<'_, u32>| {
+            deliver(1);
+            while !meter.cancelled() {
+                std::thread::yield_now();
+            }
+        };
+        lane.submit(draft_then_wait);
+        let mut results = Vec::new();
+        while results.is_empty() {
+            results.extend(lane.take());
+        }
+        // It would wait for ever.
+        lane.submit(|_, deliver| deliver(2));
+        while !lane.is_idle() {
+            results.extend(lane.take());
+        }
+        assert_eq!(results, [1, 2]);
     }
 
     #[test]

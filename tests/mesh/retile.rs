@@ -45,6 +45,17 @@ fn hausdorff(mesh: &Mesh, made: &Retiled) -> f64 {
 }
 
 #[test]
+fn neighbours_are_near_in_memory_too() {
+    for vertices in [2_000, 20_000] {
+        let made = to(&own("dragonling"), vertices).expect("enough vertices");
+        let faces = &made.mesh.faces;
+        let away: f64 = faces.iter().map(|f| f64::from(f[0].abs_diff(f[1]))).sum::<f64>() / faces.len() as f64;
+        // Numbers drawn at random would be a third of all away; along a curve it grows as the root.
+        assert!(away < 3.0 * (vertices as f64).sqrt(), "{vertices} vertices: {away} numbers away on the mean");
+    }
+}
+
+#[test]
 fn own_meshes_keep_their_shape_at_a_quarter_the_same_and_four_times() {
     for name in ["knot", "gear", "vase", "terrain"] {
         let mesh = own(name);

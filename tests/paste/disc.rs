@@ -241,7 +241,7 @@ fn fitted(weights: Weights, isotropic: IsotropicFit, mut take: impl FnMut(&Mesh,
         for ratio in [4.0, 12.0, 36.0] {
             for guide in &guides(&mesh, ratio) {
                 for (i, &seed) in Points::new(&mesh).list(4).iter().enumerate() {
-                    let choice = FitChoice { weights, isotropic };
+                    let choice = FitChoice { weights, isotropic, once: false };
                     let laid = laid_with(&mesh, guide, shape, seed, Predictor::Field, choice, &mut scratch);
                     let vertices = laid.disc.vertices.len();
                     if (50..=600).contains(&vertices) {

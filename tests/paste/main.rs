@@ -6,6 +6,7 @@ mod corpus;
 mod coverage;
 mod cuts;
 mod disc;
+mod draft;
 mod flat;
 #[path = "../common/folder.rs"]
 mod folder;

@@ -132,17 +132,26 @@ fn a_coloured_mesh_can_be_the_exemplar() {
     let from = made("knot", &waves(32), &job(2000, SearchKind::Fast));
     let to = made("vase", &waves(16), &job(1500, SearchKind::Fast));
     let colors = from.texture.channel(Channel::BaseColor).expect("colour");
+    let vertices = from.texture.mesh.vertex_count() as u32;
+    let roughness_of = |t: &VertexTexture| roughness(&t.mesh, t.channel(Channel::Height).expect("height"));
     for search in [SearchKind::Fast, SearchKind::Exhaustive] {
-        let source = Source::mesh(from.levels.clone(), 3, colors);
-        let options = SynthOptions { search, ..SynthOptions::default() };
-        let done = synthesize(&to.levels, &source, &options, &Silent, &mut |_| ()).expect("it can be done");
-        let vertices = from.texture.mesh.vertex_count() as u32;
-        assert!(done.places.iter().all(|p| matches!(p, Place::Vertex(v) if *v < vertices)), "places are vertices of the exemplar");
-        let texture = VertexTexture::of_texture(to.levels.finest(), &from.texture, &done.places);
-        let (is, was) = [&texture, &from.texture].map(|t| roughness(&t.mesh, t.channel(Channel::Height).expect("height"))).into();
-        // What matches best of all may be a flat part, again and again; continuations keep what there is.
+        let mut kept = Vec::new();
+        for seed in 1..=6 {
+            let source = Source::mesh(from.levels.clone(), 3, colors);
+            let options = SynthOptions { search, seed, ..SynthOptions::default() };
+            let done = synthesize(&to.levels, &source, &options, &Silent, &mut |_| ()).expect("it can be done");
+            assert!(
+                done.places.iter().all(|p| matches!(p, Place::Vertex(v) if *v < vertices)),
+                "places are vertices of the exemplar"
+            );
+            let texture = VertexTexture::of_texture(to.levels.finest(), &from.texture, &done.places);
+            kept.push(roughness_of(&texture) / roughness_of(&from.texture));
+        }
+        // What matches best of all may be a flat part, again and again; continuations keep what there is. From seed to seed that
+        // varies much on surfaces as small as these.
+        let mean = kept.iter().sum::<f32>() / kept.len() as f32;
         let least = if search == SearchKind::Fast { 0.3 } else { 0.0 };
-        assert!(is < 1.5 * was && is > least * was, "{search:?}: {is} from vertex to vertex, {was} on the exemplar");
+        assert!(mean < 1.5 && mean > least, "{search:?}: {kept:?} of the exemplar's roughness from vertex to vertex");
     }
 }
 

@@ -11,10 +11,15 @@
 use crate::mesh::transport::{across, angle};
 use crate::mesh::{Mesh, NONE, next, prev};
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
 /// Weights are kept within this factor of 1: needles would tie their neighbours together and wide angles push them apart.
 const WEIGHT: f64 = 20.0;
+
+/// Nodes whose neighbours one task finds, and how many each has about.
+const PIECE: usize = 2048;
+const USUAL: usize = 6;
 
 /// What the nodes of a connection are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,6 +41,9 @@ pub struct Connection {
     pub normal: Vec<DVec3>,
     /// Area that each node stands for, world units squared.
     pub area: Vec<f64>,
+    /// Curvature in each face, of nodes at the vertices: the sum of its scaled angles beyond that of a flat triangle. Empty of nodes at
+    /// the faces.
+    pub curvature: Vec<f64>,
     start: Vec<u32>,
     neighbour: Vec<u32>,
     turn: Vec<f64>,
@@ -95,131 +103,161 @@ impl Connection {
         axis * angle.cos() + self.normal[node as usize].cross(axis) * angle.sin()
     }
 
-    fn with_room(over: Over, nodes: usize) -> Self {
-        let mut start = Vec::with_capacity(nodes + 1);
-        start.push(0);
-        Self {
-            over,
-            axis: Vec::with_capacity(nodes),
-            normal: Vec::with_capacity(nodes),
-            area: vec![0.0; nodes],
-            start,
-            neighbour: Vec::new(),
-            turn: Vec::new(),
-            weight: Vec::new(),
-        }
+    /// The turns of all neighbours of all nodes, one node after the other.
+    pub(super) fn turns(&self) -> &[f64] {
+        &self.turn
     }
 
-    fn push(&mut self, node: u32, turn: f64, weight: f64) {
-        self.neighbour.push(node);
-        self.turn.push(turn);
-        self.weight.push(weight.clamp(1.0 / WEIGHT, WEIGHT));
+    /// Takes the rows in, each node's neighbours; made by several threads, a piece at a time.
+    fn with_rows(mut self, row: impl Fn(u32, &mut Vec<Neighbour>) + Sync) -> Self {
+        let nodes: Vec<u32> = (0..self.len() as u32).collect();
+        let pieces: Vec<(Vec<u32>, Vec<Neighbour>)> = nodes
+            .par_chunks(PIECE)
+            .map(|piece| {
+                let (mut ends, mut found) = (Vec::with_capacity(piece.len()), Vec::with_capacity(piece.len() * USUAL));
+                for &node in piece {
+                    row(node, &mut found);
+                    ends.push(found.len() as u32);
+                }
+                (ends, found)
+            })
+            .collect();
+        self.start.push(0);
+        for (ends, found) in pieces {
+            let before = self.neighbour.len() as u32;
+            self.start.extend(ends.into_iter().map(|end| before + end));
+            self.neighbour.extend(found.iter().map(|n| n.node));
+            self.turn.extend(found.iter().map(|n| n.turn));
+            self.weight.extend(found.iter().map(|n| n.weight.clamp(1.0 / WEIGHT, WEIGHT)));
+        }
+        self
     }
 }
 
 fn over_faces(mesh: &Mesh) -> Connection {
-    let mut out = Connection::with_room(Over::Faces, mesh.face_count());
-    for f in 0..mesh.face_count() as u32 {
+    let faces = || (0..mesh.face_count() as u32).into_par_iter();
+    let axis_of = |f: u32| {
         let [a, b, _] = mesh.corners(f);
-        out.axis.push((b - a).normalize_or_zero());
-        out.normal.push(mesh.normal(f));
-        out.area[f as usize] = mesh.area(f);
-    }
-    for h in 0..mesh.opposite.len() as u32 {
-        let (f, o) = (h / 3, mesh.opposite[h as usize]);
-        if o != NONE {
-            let carried = across(mesh, o, out.axis[(o / 3) as usize]).unwrap_or_default();
-            // Width of the common edge over the distance of the centroids across it.
-            let length = mesh.point(mesh.origin(h)).distance_squared(mesh.point(mesh.origin(next(h))));
-            let weight = 1.5 * length / (out.area[f as usize] + out.area[(o / 3) as usize]).max(f64::MIN_POSITIVE);
-            let turn = out.angle_of(f, carried);
-            // Both sides of an edge must count alike.
-            out.push(o / 3, turn, weight / 3_f64.sqrt());
+        (b - a).normalize_or_zero()
+    };
+    let out = Connection {
+        over: Over::Faces,
+        axis: faces().map(axis_of).collect(),
+        normal: faces().map(|f| mesh.normal(f)).collect(),
+        area: faces().map(|f| mesh.area(f)).collect(),
+        curvature: Vec::new(),
+        start: Vec::new(),
+        neighbour: Vec::new(),
+        turn: Vec::new(),
+        weight: Vec::new(),
+    };
+    let (axis, normal, area) = (out.axis.clone(), out.normal.clone(), out.area.clone());
+    out.with_rows(|f, row| {
+        for h in 3 * f..3 * f + 3 {
+            let o = mesh.opposite[h as usize];
+            if o != NONE {
+                let carried = across(mesh, o, axis[(o / 3) as usize]).unwrap_or_default();
+                // Width of the common edge over the distance of the centroids across it. Both sides of an edge must count alike.
+                let length = mesh.point(mesh.origin(h)).distance_squared(mesh.point(mesh.origin(next(h))));
+                let weight = 1.5 * length / (area[f as usize] + area[(o / 3) as usize]).max(f64::MIN_POSITIVE);
+                let turn = angle(axis[f as usize], carried, normal[f as usize]);
+                row.push(Neighbour { node: o / 3, turn, weight: weight / 3_f64.sqrt() });
+            }
         }
-        if h % 3 == 2 {
-            out.start.push(out.neighbour.len() as u32);
-        }
-    }
-    out
+    })
 }
 
-/// Interior angle of a face at the origin of a half-edge.
-fn corner(mesh: &Mesh, h: u32) -> f64 {
-    let at = |e: u32| mesh.point(mesh.origin(e));
-    let (a, b) = (at(next(h)) - at(h), at(prev(h)) - at(h));
-    a.cross(b).length().atan2(a.dot(b))
+/// The corners of all faces, each by the half-edge that leaves it.
+struct Corners {
+    /// Interior angles, scaled so that those around an inner vertex sum to a full turn.
+    scaled: Vec<f64>,
+    cotangent: Vec<f64>,
 }
 
-/// By how much the angles around each vertex are scaled so that inner ones sum to a full turn.
-pub(super) fn angle_scales(mesh: &Mesh) -> Vec<f64> {
-    let mut sums = vec![0.0; mesh.vertex_count()];
-    let mut inner = vec![true; mesh.vertex_count()];
-    for h in 0..mesh.opposite.len() as u32 {
-        sums[mesh.origin(h) as usize] += corner(mesh, h);
-        if mesh.opposite[h as usize] == NONE {
-            inner[mesh.origin(h) as usize] = false;
-            inner[mesh.origin(next(h)) as usize] = false;
+impl Corners {
+    fn new(mesh: &Mesh) -> Self {
+        let corner = |h: u32| {
+            let at = |e: u32| mesh.point(mesh.origin(e));
+            let (a, b) = (at(next(h)) - at(h), at(prev(h)) - at(h));
+            let (sine, cosine) = (a.cross(b).length(), a.dot(b));
+            (sine.atan2(cosine), cosine / sine.max(f64::MIN_POSITIVE))
+        };
+        let (mut angles, cotangent): (Vec<f64>, Vec<f64>) = (0..mesh.opposite.len() as u32).into_par_iter().map(corner).unzip();
+        let mut sums = vec![0.0; mesh.vertex_count()];
+        let mut inner = vec![true; mesh.vertex_count()];
+        for h in 0..mesh.opposite.len() as u32 {
+            sums[mesh.origin(h) as usize] += angles[h as usize];
+            if mesh.opposite[h as usize] == NONE {
+                inner[mesh.origin(h) as usize] = false;
+                inner[mesh.origin(next(h)) as usize] = false;
+            }
         }
+        let scales: Vec<f64> =
+            sums.into_iter().zip(inner).map(|(sum, inner)| if inner && sum > 0.0 { TAU / sum } else { 1.0 }).collect();
+        (0..mesh.opposite.len() as u32).for_each(|h| angles[h as usize] *= scales[mesh.origin(h) as usize]);
+        Self { scaled: angles, cotangent }
     }
-    sums.into_iter().zip(inner).map(|(sum, inner)| if inner && sum > 0.0 { TAU / sum } else { 1.0 }).collect()
-}
-
-/// Curvature that scaled angles leave in a face: their sum beyond that of a flat triangle.
-pub(super) fn face_curvature(mesh: &Mesh, scales: &[f64], face: u32) -> f64 {
-    (3 * face..3 * face + 3).map(|h| corner(mesh, h) * scales[mesh.origin(h) as usize]).sum::<f64>() - PI
 }
 
 fn over_vertices(mesh: &Mesh) -> Connection {
-    let scales = angle_scales(mesh);
+    let corners = Corners::new(mesh);
     let first = mesh.vertex_half_edges();
-    let normals = mesh.vertex_normals();
-    let mut out = Connection::with_room(Over::Vertices, mesh.vertex_count());
+    let normal: Vec<DVec3> = mesh.vertex_normals().into_iter().map(|n| n.as_dvec3()).collect();
     // Angle of each half-edge around its origin; of the last edge on a boundary, which only comes in, around its target.
     let mut outward = vec![0.0; mesh.opposite.len()];
     let mut inward = vec![0.0; mesh.opposite.len()];
-    for v in 0..mesh.vertex_count() as u32 {
-        let (mut sum, start) = (0.0, first[v as usize]);
-        let normal = normals[v as usize].as_dvec3();
-        let mut axis = normal.any_orthonormal_vector();
-        if start != NONE {
-            let edge = mesh.point(mesh.origin(next(start))) - mesh.point(v);
-            axis = (edge - normal * edge.dot(normal)).normalize_or(axis);
-            for h in mesh.ring(start) {
-                outward[h as usize] = sum;
-                sum += corner(mesh, h) * scales[v as usize];
-                inward[prev(h) as usize] = sum;
-            }
+    for &start in first.iter().filter(|&&start| start != NONE) {
+        let mut sum = 0.0;
+        for h in mesh.ring(start) {
+            outward[h as usize] = sum;
+            sum += corners.scaled[h as usize];
+            inward[prev(h) as usize] = sum;
         }
-        out.axis.push(axis);
-        out.normal.push(normal);
     }
-    for f in 0..mesh.face_count() as u32 {
-        mesh.faces[f as usize].into_iter().for_each(|v| out.area[v as usize] += mesh.area(f) / 3.0);
-    }
-    let cotangent = |h: u32| {
-        let at = |e: u32| mesh.point(mesh.origin(e));
-        let (a, b) = (at(h) - at(prev(h)), at(next(h)) - at(prev(h)));
-        a.dot(b) / a.cross(b).length().max(f64::MIN_POSITIVE)
+    let axis_of = |v: u32| {
+        let (start, normal) = (first[v as usize], normal[v as usize]);
+        let any = normal.any_orthonormal_vector();
+        if start == NONE {
+            return any;
+        }
+        let edge = mesh.point(mesh.origin(next(start))) - mesh.point(v);
+        (edge - normal * edge.dot(normal)).normalize_or(any)
     };
-    for v in 0..mesh.vertex_count() as u32 {
-        if first[v as usize] != NONE {
-            let mut last = NONE;
-            for h in mesh.ring(first[v as usize]) {
-                let o = mesh.opposite[h as usize];
-                // How the edge leaves here, and how it arrives there.
-                let there = if o == NONE { inward[h as usize] } else { outward[o as usize] };
-                let weight = if o == NONE { cotangent(h) } else { cotangent(h) + cotangent(o) };
-                out.push(mesh.origin(next(h)), outward[h as usize] - there - PI, weight * 3_f64.sqrt() / 2.0);
-                last = prev(h);
-            }
-            if mesh.opposite[last as usize] == NONE {
-                let here = inward[last as usize];
-                out.push(mesh.origin(last), here - outward[last as usize] - PI, cotangent(last) * 3_f64.sqrt() / 2.0);
-            }
-        }
-        out.start.push(out.neighbour.len() as u32);
+    let mut area = vec![0.0; mesh.vertex_count()];
+    for f in 0..mesh.face_count() as u32 {
+        let share = mesh.area(f) / 3.0;
+        mesh.faces[f as usize].into_iter().for_each(|v| area[v as usize] += share);
     }
-    out
+    let out = Connection {
+        over: Over::Vertices,
+        axis: (0..mesh.vertex_count() as u32).into_par_iter().map(axis_of).collect(),
+        normal,
+        area,
+        curvature: corners.scaled.chunks_exact(3).map(|c| c.iter().sum::<f64>() - PI).collect(),
+        start: Vec::new(),
+        neighbour: Vec::new(),
+        turn: Vec::new(),
+        weight: Vec::new(),
+    };
+    let cotangent = |h: u32| corners.cotangent[prev(h) as usize];
+    out.with_rows(|v, row| {
+        if first[v as usize] == NONE {
+            return;
+        }
+        let mut push = |node: u32, turn: f64, weight: f64| row.push(Neighbour { node, turn, weight: weight * 3_f64.sqrt() / 2.0 });
+        let mut last = NONE;
+        for h in mesh.ring(first[v as usize]) {
+            let o = mesh.opposite[h as usize];
+            // How the edge leaves here, and how it arrives there.
+            let there = if o == NONE { inward[h as usize] } else { outward[o as usize] };
+            let weight = if o == NONE { cotangent(h) } else { cotangent(h) + cotangent(o) };
+            push(mesh.origin(next(h)), outward[h as usize] - there - PI, weight);
+            last = prev(h);
+        }
+        if mesh.opposite[last as usize] == NONE {
+            push(mesh.origin(last), inward[last as usize] - outward[last as usize] - PI, cotangent(last));
+        }
+    })
 }
 
 /// A unit complex number.

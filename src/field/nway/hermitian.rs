@@ -45,17 +45,37 @@ pub(super) fn inner(a: &[DVec2], b: &[DVec2]) -> DVec2 {
 }
 
 impl Matrix {
-    pub(super) fn new(columns: usize) -> Self {
-        Self { columns, start: vec![0], column: Vec::new(), value: Vec::new() }
+    /// From what `row` adds for each of so many rows, by several threads.
+    pub(super) fn of_rows(columns: usize, rows: usize, row: impl Fn(u32, &mut Vec<(u32, DVec2)>) + Sync) -> Self {
+        Self::of_rows_with(columns, rows, || (), |(), i, out| row(i, out))
     }
 
-    pub(super) fn push(&mut self, column: u32, value: DVec2) {
-        self.column.push(column);
-        self.value.push(value);
-    }
-
-    pub(super) fn end_row(&mut self) {
-        self.start.push(self.column.len() as u32);
+    /// The same with room of its own for each thread. What it adds must not depend on what the room holds from other rows.
+    fn of_rows_with<T>(
+        columns: usize,
+        rows: usize,
+        room: impl Fn() -> T + Sync,
+        row: impl Fn(&mut T, u32, &mut Vec<(u32, DVec2)>) + Sync,
+    ) -> Self {
+        let all: Vec<u32> = (0..rows as u32).collect();
+        let blocks = all.par_chunks(BLOCK).map_init(&room, |room, block| {
+            let (mut ends, mut entries) = (Vec::with_capacity(block.len()), Vec::new());
+            for &i in block {
+                row(room, i, &mut entries);
+                ends.push(entries.len() as u32);
+            }
+            (ends, entries)
+        });
+        let blocks: Vec<(Vec<u32>, Vec<(u32, DVec2)>)> = blocks.collect();
+        let count = blocks.iter().map(|b| b.1.len()).sum();
+        let mut out = Self { columns, start: vec![0], column: Vec::with_capacity(count), value: Vec::with_capacity(count) };
+        for (ends, entries) in blocks {
+            let before = out.column.len() as u32;
+            out.start.extend(ends.into_iter().map(|end| before + end));
+            out.column.extend(entries.iter().map(|e| e.0));
+            out.value.extend(entries.iter().map(|e| e.1));
+        }
+        out
     }
 
     const fn rows(&self) -> usize {
@@ -101,24 +121,22 @@ impl Matrix {
     }
 
     fn product(&self, right: &Self) -> Self {
-        let mut out = Self::new(right.columns);
-        let mut place = vec![u32::MAX; right.columns];
-        for row in 0..self.rows() {
-            let begin = out.column.len();
-            for (k, a) in self.row(row) {
+        let room = || vec![u32::MAX; right.columns];
+        Self::of_rows_with(right.columns, self.rows(), room, |place, row, out| {
+            let begin = out.len();
+            for (k, a) in self.row(row as usize) {
                 for (c, b) in right.row(k) {
-                    let p = place[c] as usize;
-                    if p >= begin && p < out.column.len() && out.column[p] as usize == c {
-                        out.value[p] += a.rotate(b);
-                    } else {
-                        place[c] = out.column.len() as u32;
-                        out.push(c as u32, a.rotate(b));
+                    // Where a column was written last; what lies there may be of a row before, or another column.
+                    match out[begin..].get_mut((place[c] as usize).wrapping_sub(begin)).filter(|entry| entry.0 as usize == c) {
+                        Some(entry) => entry.1 += a.rotate(b),
+                        None => {
+                            place[c] = out.len() as u32;
+                            out.push((c as u32, a.rotate(b)));
+                        }
                     }
                 }
             }
-            out.end_row();
-        }
-        out
+        })
     }
 }
 
@@ -279,23 +297,18 @@ fn prolongation(matrix: &Matrix, diagonal: &[f64]) -> Option<Matrix> {
     if f64::from(count) > SHRINK * n as f64 {
         return None;
     }
-    let mut out = Matrix::new(count as usize);
-    let mut row: Vec<(u32, DVec2)> = Vec::new();
-    for i in 0..n {
-        row.clear();
-        row.push(of[i]);
-        for (j, v) in matrix.row(i) {
+    Some(Matrix::of_rows(count as usize, n, |i, out| {
+        let begin = out.len();
+        out.push(of[i as usize]);
+        for (j, v) in matrix.row(i as usize) {
             let (aggregate, direction) = of[j];
-            let add = v.rotate(direction) * (-SMOOTHING / diagonal[i]);
-            match row.iter_mut().find(|(c, _)| *c == aggregate) {
+            let add = v.rotate(direction) * (-SMOOTHING / diagonal[i as usize]);
+            match out[begin..].iter_mut().find(|(c, _)| *c == aggregate) {
                 Some(entry) => entry.1 += add,
-                None => row.push((aggregate, add)),
+                None => out.push((aggregate, add)),
             }
         }
-        row.iter().for_each(|&(c, v)| out.push(c, v));
-        out.end_row();
-    }
-    Some(out)
+    }))
 }
 
 /// Solves `(matrix + diagonal) x = rhs` from the `x` given by conjugate gradients; returns the iterations.

@@ -4,7 +4,7 @@
 //! sum to a whole number of n-th parts of a full turn (Ray, Vallet, Li, Levy 2008). On closed meshes these sum to n times the
 //! Euler characteristic, for any field.
 
-use super::connection::{Connection, Over, angle_scales, face_curvature, wrapped};
+use super::connection::{Connection, Over, wrapped};
 use super::relax::angles;
 use crate::mesh::{Mesh, NONE, next, prev};
 use glam::DVec2;
@@ -21,20 +21,8 @@ pub struct NWaySingularity {
     pub parts: i32,
 }
 
-/// The curvature inside each face, of nodes at the vertices; nothing of nodes at the faces.
-pub(super) fn curvature(mesh: &Mesh, over: Over) -> Vec<f64> {
-    match over {
-        Over::Faces => Vec::new(),
-        Over::Vertices => {
-            let scales = angle_scales(mesh);
-            (0..mesh.face_count() as u32).into_par_iter().map(|f| face_curvature(mesh, &scales, f)).collect()
-        }
-    }
-}
-
-/// The singularities of a field of `n` directions a node, given as the n-th powers of unit complex numbers; `curvature` is as
-/// [`curvature()`] gives it.
-pub(super) fn singularities(mesh: &Mesh, table: &Connection, curvature: &[f64], n: u32, powers: &[DVec2]) -> Vec<NWaySingularity> {
+/// The singularities of a field of `n` directions a node, given as the n-th powers of unit complex numbers.
+pub(super) fn singularities(mesh: &Mesh, table: &Connection, n: u32, powers: &[DVec2]) -> Vec<NWaySingularity> {
     let degree = f64::from(n);
     let angles = angles(powers);
     // The turn from node i to its neighbour j, in n-th parts.
@@ -63,7 +51,7 @@ pub(super) fn singularities(mesh: &Mesh, table: &Connection, curvature: &[f64], 
         }
         Over::Vertices => {
             let one = |face: u32| {
-                let mut sum = degree * curvature[face as usize];
+                let mut sum = degree * table.curvature[face as usize];
                 for h in 3 * face..3 * face + 3 {
                     let (i, j) = (mesh.origin(h), mesh.origin(next(h)));
                     sum += between(table, &turn, i, j);

@@ -34,8 +34,10 @@ use crate::random::Random;
 use connection::unit;
 use glam::{DVec2, DVec3};
 use hermitian::{Matrix, Multigrid, inner, solve};
+use rayon::prelude::*;
 use serde::Serialize;
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 /// Most directions a place may have.
 pub const MOST_WAYS: u32 = 12;
@@ -44,8 +46,8 @@ pub const MOST_WAYS: u32 = 12;
 const RIDGE: f64 = 1e-9;
 
 /// Inverse iterations for the eigenvector at most, and the change of the eigenvalue that ends them.
-const INVERSE: usize = 6;
-const EIGENVALUE: f64 = 1e-2;
+const INVERSE: usize = 12;
+const EIGENVALUE: f64 = 1e-3;
 
 /// Diffusions of the eigenvector brought to unit length (Viertel, Osting 2019), the first over this share of the time in which the
 /// smoothest field fades, each of the others over half the time of the one before.
@@ -120,10 +122,10 @@ pub struct NWaySolver<'m> {
     n: u32,
     /// The nodes.
     pub table: Connection,
-    grid: Multigrid,
+    /// The Laplacian and its coarser levels, once somebody starts smooth.
+    grid: OnceLock<Multigrid>,
     component: Vec<u32>,
     components: usize,
-    curvature: Vec<f64>,
 }
 
 impl<'m> NWaySolver<'m> {
@@ -132,17 +134,20 @@ impl<'m> NWaySolver<'m> {
     pub fn new(mesh: &'m Mesh, over: Over, n: u32) -> Self {
         let n = n.clamp(1, MOST_WAYS);
         let table = Connection::new(mesh, over);
-        let sums: Vec<f64> = (0..table.len() as u32).map(|i| table.neighbours(i).map(|t| t.weight).sum()).collect();
-        let ridge = RIDGE * (sums.iter().sum::<f64>() / sums.len().max(1) as f64).max(f64::MIN_POSITIVE);
-        let mut matrix = Matrix::new(table.len());
-        for i in 0..table.len() as u32 {
-            matrix.push(i, DVec2::new(if sums[i as usize] > 0.0 { sums[i as usize] + ridge } else { 1.0 }, 0.0));
-            table.neighbours(i).for_each(|t| matrix.push(t.node, -unit(f64::from(n) * t.turn) * t.weight));
-            matrix.end_row();
-        }
         let (component, components) = components(&table);
-        let curvature = index::curvature(mesh, over);
-        Self { mesh, n, table, grid: Multigrid::new(matrix), component, components, curvature }
+        Self { mesh, n, table, grid: OnceLock::new(), component, components }
+    }
+
+    fn grid(&self) -> &Multigrid {
+        self.grid.get_or_init(|| {
+            let table = &self.table;
+            let sums: Vec<f64> = (0..table.len() as u32).map(|i| table.neighbours(i).map(|t| t.weight).sum()).collect();
+            let ridge = RIDGE * (sums.iter().sum::<f64>() / sums.len().max(1) as f64).max(f64::MIN_POSITIVE);
+            Multigrid::new(Matrix::of_rows(table.len(), table.len(), |i, row| {
+                row.push((i, DVec2::new(if sums[i as usize] > 0.0 { sums[i as usize] + ridge } else { 1.0 }, 0.0)));
+                row.extend(table.neighbours(i).map(|t| (t.node, -unit(f64::from(self.n) * t.turn) * t.weight)));
+            }))
+        })
     }
 
     /// The field for some wishes (empty for none).
@@ -193,14 +198,14 @@ impl<'m> NWaySolver<'m> {
     /// The singularities of a field over this solver's nodes.
     #[must_use]
     pub fn singularities(&self, field: &NWayField) -> Vec<NWaySingularity> {
-        index::singularities(self.mesh, &self.table, &self.curvature, self.n, &field.powers)
+        index::singularities(self.mesh, &self.table, self.n, &field.powers)
     }
 
     /// One of the directions at each node.
     #[must_use]
     pub fn directions(&self, field: &NWayField) -> Vec<DVec3> {
         let one = |(i, p): (usize, &DVec2)| self.table.direction(i as u32, p.to_angle() / f64::from(self.n));
-        field.powers.iter().enumerate().map(one).collect()
+        field.powers.par_iter().enumerate().map(one).collect()
     }
 
     fn smooth_start(&self, wishes: &[DVec2], iterations: &mut usize) -> Vec<DVec2> {
@@ -216,7 +221,7 @@ impl<'m> NWaySolver<'m> {
         if wished.iter().any(|&w| w) {
             let strength: Vec<f64> = wishes.iter().map(|w| w.length()).collect();
             let mut guided = vec![DVec2::ZERO; self.table.len()];
-            *iterations += solve(&self.grid, &strength, wishes, &mut guided, TIGHT, ITERATIONS);
+            *iterations += solve(self.grid(), &strength, wishes, &mut guided, TIGHT, ITERATIONS);
             for (i, guided) in guided.into_iter().enumerate() {
                 if wished[self.component[i] as usize] {
                     x[i] = guided;
@@ -233,25 +238,25 @@ impl<'m> NWaySolver<'m> {
         let mean = self.table.area.iter().sum::<f64>() / self.table.len().max(1) as f64;
         let mass: Vec<f64> = self.table.area.iter().map(|a| (a / mean).max(1e-6)).collect();
         let none = vec![0.0; mass.len()];
-        let mut x = self.grid.smoothest();
+        let mut x = self.grid().smoothest();
         let mut last = f64::INFINITY;
         for _ in 0..INVERSE {
             self.balance(&mut x, &mass);
             let rhs: Vec<DVec2> = x.iter().zip(&mass).map(|(&x, &m)| x * m).collect();
-            let value = inner(&x, &self.grid.matrix().times(&x)).x / inner(&x, &rhs).x;
+            let value = inner(&x, &self.grid().matrix().times(&x)).x / inner(&x, &rhs).x;
             if (last - value).abs() <= EIGENVALUE * value {
                 break;
             }
             last = value;
             // The answer is about the vector over its eigenvalue.
             x.iter_mut().for_each(|x| *x /= value.max(f64::MIN_POSITIVE));
-            *iterations += solve(&self.grid, &none, &rhs, &mut x, LOOSE, ITERATIONS);
+            *iterations += solve(self.grid(), &none, &rhs, &mut x, LOOSE, ITERATIONS);
         }
         let mut time = DIFFUSION / last.max(1e-9);
         for _ in 0..DIFFUSIONS {
             let hold: Vec<f64> = mass.iter().map(|m| m / time).collect();
             let rhs: Vec<DVec2> = x.iter().zip(&hold).map(|(x, &h)| x.normalize_or(DVec2::X) * h).collect();
-            *iterations += solve(&self.grid, &hold, &rhs, &mut x, LOOSE, ITERATIONS);
+            *iterations += solve(self.grid(), &hold, &rhs, &mut x, LOOSE, ITERATIONS);
             time /= 2.0;
         }
         x

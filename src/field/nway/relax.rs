@@ -79,7 +79,7 @@ fn error(a: DVec2, b: DVec2, degree: f64, measure: Measure) -> f64 {
 /// Relaxes a field given as n-th powers of unit complex numbers. Returns the error before and after each sweep.
 pub fn relax(table: &Connection, n: u32, powers: &mut [DVec2], wishes: &Wishes, measure: Measure) -> Vec<f64> {
     let degree = f64::from(n);
-    let carries: Vec<DVec2> = (0..table.len() as u32).flat_map(|i| table.neighbours(i)).map(|t| unit(degree * t.turn)).collect();
+    let carries: Vec<DVec2> = table.turns().par_iter().map(|turn| unit(degree * turn)).collect();
     let mut errors = vec![energy(table, n, powers, wishes, measure)];
     for _ in 0..SWEEPS {
         let (mut at, mut gain) = (0, 0.0);

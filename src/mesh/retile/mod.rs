@@ -212,7 +212,8 @@ pub fn retile(mesh: &Mesh, options: &RetileOptions, progress: &dyn Progress) -> 
             break;
         }
     }
-    t.compact(None);
+    // Relocation has scattered the numbers; whoever walks the mesh wants neighbours near in memory.
+    t.compact(Some(sites::along_curve(t.surgery.alive(), |v| t.surgery.positions[v as usize].as_vec3())));
     let new = t.surgery.mesh();
     let on_lines = (0..new.vertex_count() as u32).filter(|&v| remove::is_on_line(&t.surgery, v, &mut scratch.fan)).count();
     let statistics = RetileStatistics {

@@ -14,6 +14,7 @@ use super::{Choice, Nearby, Search};
 use crate::numeric::kd::KdTree;
 use crate::numeric::pca::Pca;
 use crate::numeric::rows::{Rows, distance_squared};
+use pulp::Arch;
 
 /// Principal components kept.
 pub(in super::super) const KEPT: usize = 24;
@@ -47,28 +48,33 @@ impl Search for Fast {
         let mut point = vec![0.0; self.pca.kept()];
         let mut between = point.clone();
         let mut finder = self.tree.finder();
-        let mut one = |(q, query): (usize, &[f32])| {
-            self.pca.project(query, &mut point);
-            let mut best = (f32::INFINITY, 0_u32);
-            for k in nearby.range(q) {
-                // Neighbourhoods between pixels are what bilinear sampling makes of the image, and all here is linear.
-                between.fill(0.0);
-                for (row, share) in nearby.between[k].rows.into_iter().zip(nearby.between[k].shares).filter(|(_, s)| *s > 0.0) {
-                    between.iter_mut().zip(self.rows.row(row as usize)).for_each(|(b, &x)| *b += share * x);
+        // The loops below are compiled for the widest registers only inside of what is dispatched.
+        let all = || {
+            let mut choices = Vec::with_capacity(queries.len());
+            for (q, query) in queries.iter().enumerate() {
+                self.pca.project(query, &mut point);
+                let mut best = (f32::INFINITY, 0_u32);
+                for k in nearby.range(q) {
+                    // Neighbourhoods between pixels are what bilinear sampling makes of the image, and all here is linear.
+                    between.fill(0.0);
+                    for (row, share) in nearby.between[k].rows.into_iter().zip(nearby.between[k].shares).filter(|(_, s)| *s > 0.0) {
+                        between.iter_mut().zip(self.rows.row(row as usize)).for_each(|(b, &x)| *b += share * x);
+                    }
+                    let squared = distance_squared(&point, &between);
+                    if squared < best.0 {
+                        best = (squared, k as u32);
+                    }
                 }
-                let squared = distance_squared(&point, &between);
-                if squared < best.0 {
-                    best = (squared, k as u32);
-                }
+                // Only a row that is nearer by the factor can be preferred, and most of the tree is farther than that.
+                choices.push(match finder.nearest(&point, LEAVES, best.0 / PREFERENCE) {
+                    Some((row, _)) => Choice::Row(row),
+                    None if best.0 < f32::INFINITY => Choice::Nearby(best.1),
+                    // Distances that are no numbers, from channels that hold none, leave nothing to choose by.
+                    None => Choice::Row(0),
+                });
             }
-            // Only a row that is nearer by the factor can be preferred, and most of the tree is farther than that.
-            match finder.nearest(&point, LEAVES, best.0 / PREFERENCE) {
-                Some((row, _)) => Choice::Row(row),
-                None if best.0 < f32::INFINITY => Choice::Nearby(best.1),
-                // Distances that are no numbers, from channels that hold none, leave nothing to choose by.
-                None => Choice::Row(0),
-            }
+            choices
         };
-        queries.iter().enumerate().map(&mut one).collect()
+        Arch::new().dispatch(all)
     }
 }
