@@ -84,7 +84,7 @@ fn covariance(rows: &[&[f32]], mean: &[f32]) -> Vec<f32> {
                     }
                 }
             }
-        })
+        });
     });
     for i in 0..dims {
         for j in 0..i {

@@ -183,8 +183,21 @@ impl Kitchen {
     }
 }
 
-/// Builds what is to be shown of a project that has a model. `take_draft` gets first answers soon after a change ([`Draft`]), sooner
-/// if what was shown before it is there.
+/// First answers soon after a change.
+pub struct FirstAnswers<'a> {
+    /// What is shown now, if anything is: it makes the first answer come sooner.
+    pub before: Option<&'a Shown>,
+    /// Gets each ([`Draft`]).
+    pub take: &'a dyn Fn(Shown),
+}
+
+impl std::fmt::Debug for FirstAnswers<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("FirstAnswers").field("before", &self.before).finish_non_exhaustive()
+    }
+}
+
+/// Builds what is to be shown of a project that has a model, the whole after first answers.
 ///
 /// # Errors
 /// If anything it names cannot be read, it cannot be pasted, or does not fit the device.
@@ -194,9 +207,8 @@ pub fn build(
     kitchen: &Kitchen,
     library: &Library,
     renderer: &Renderer,
-    before: Option<&Shown>,
     progress: &dyn Progress,
-    take_draft: &dyn Fn(Shown),
+    first: FirstAnswers<'_>,
 ) -> Result<Option<Shown>, BuildError> {
     let begin = Instant::now();
     let Some(link) = &project.model else { return Ok(None) };
@@ -232,10 +244,10 @@ pub fn build(
     job.paste.masks = Some(Arc::clone(&cut.masks));
     let mut failed = None;
     let mut take = |draft, laid| match shown(Some(laid), Some(&cut), Some(draft)) {
-        Ok(draft) => take_draft(draft),
+        Ok(draft) => (first.take)(draft),
         Err(error) => failed = Some(error),
     };
-    let before = before.filter(|before| Arc::ptr_eq(&before.open, &open)).and_then(|before| before.laid.as_ref());
+    let before = first.before.filter(|before| Arc::ptr_eq(&before.open, &open)).and_then(|before| before.laid.as_ref());
     let drafts = Drafts { take: &mut take, before };
     let laid = lay_with_draft(&open.cleaned, cut.exemplars.clone(), cut.patches.clone(), &job, progress, Some(drafts))?;
     match failed {

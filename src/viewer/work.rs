@@ -1,7 +1,7 @@
 //! Work that goes on: asked for when what is shown is out of date, taken in when it is there.
 
 use super::app::{App, Notice};
-use super::build::build;
+use super::build::{FirstAnswers, build};
 use super::deeds::{Done, Still};
 use super::mode::Mode;
 use super::watch::room::WatchRoom;
@@ -120,7 +120,8 @@ impl App {
         let (renderer, before) = (Arc::clone(&self.graphics.renderer), self.shown.clone());
         self.builds.submit(move |meter, deliver| {
             let draft = |shown| deliver(Ok(Some(Box::new(shown))));
-            let made = build(&project, revision, &kitchen, &library, &renderer, before.as_deref(), &**meter, &draft);
+            let first = FirstAnswers { before: before.as_deref(), take: &draft };
+            let made = build(&project, revision, &kitchen, &library, &renderer, &**meter, first);
             deliver(made.map(|shown| shown.map(Box::new)));
         });
     }

@@ -10,7 +10,7 @@
 
 use crate::mesh::transport::{across, angle};
 use crate::mesh::{Mesh, NONE, next, prev};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -202,7 +202,7 @@ impl Corners {
 fn over_vertices(mesh: &Mesh) -> Connection {
     let corners = Corners::new(mesh);
     let first = mesh.vertex_half_edges();
-    let normal: Vec<DVec3> = mesh.vertex_normals().into_iter().map(|n| n.as_dvec3()).collect();
+    let normal: Vec<DVec3> = mesh.vertex_normals().into_iter().map(Vec3::as_dvec3).collect();
     // Angle of each half-edge around its origin; of the last edge on a boundary, which only comes in, around its target.
     let mut outward = vec![0.0; mesh.opposite.len()];
     let mut inward = vec![0.0; mesh.opposite.len()];

@@ -21,6 +21,9 @@ const BLOCK: usize = 4096;
 /// A level that shrinks less than this is the last.
 const SHRINK: f64 = 0.7;
 
+/// Column and value.
+type Entry = (u32, DVec2);
+
 /// A sparse complex matrix in compressed rows.
 #[derive(Debug, Clone)]
 pub(super) struct Matrix {
@@ -46,7 +49,7 @@ pub(super) fn inner(a: &[DVec2], b: &[DVec2]) -> DVec2 {
 
 impl Matrix {
     /// From what `row` adds for each of so many rows, by several threads.
-    pub(super) fn of_rows(columns: usize, rows: usize, row: impl Fn(u32, &mut Vec<(u32, DVec2)>) + Sync) -> Self {
+    pub(super) fn of_rows(columns: usize, rows: usize, row: impl Fn(u32, &mut Vec<Entry>) + Sync) -> Self {
         Self::of_rows_with(columns, rows, || (), |(), i, out| row(i, out))
     }
 
@@ -55,7 +58,7 @@ impl Matrix {
         columns: usize,
         rows: usize,
         room: impl Fn() -> T + Sync,
-        row: impl Fn(&mut T, u32, &mut Vec<(u32, DVec2)>) + Sync,
+        row: impl Fn(&mut T, u32, &mut Vec<Entry>) + Sync,
     ) -> Self {
         let all: Vec<u32> = (0..rows as u32).collect();
         let blocks = all.par_chunks(BLOCK).map_init(&room, |room, block| {
@@ -66,7 +69,7 @@ impl Matrix {
             }
             (ends, entries)
         });
-        let blocks: Vec<(Vec<u32>, Vec<(u32, DVec2)>)> = blocks.collect();
+        let blocks: Vec<(Vec<u32>, Vec<Entry>)> = blocks.collect();
         let count = blocks.iter().map(|b| b.1.len()).sum();
         let mut out = Self { columns, start: vec![0], column: Vec::with_capacity(count), value: Vec::with_capacity(count) };
         for (ends, entries) in blocks {
