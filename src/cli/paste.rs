@@ -119,7 +119,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 32] = [
+const OF_A_REGION: [&str; 33] = [
     "exemplars",
     "scale",
     "ratio",
@@ -132,6 +132,7 @@ const OF_A_REGION: [&str; 32] = [
     "plain",
     "no_windows",
     "no_cuts",
+    "no_overlays",
     "splotches",
     "weights",
     "color_only",
@@ -326,6 +327,7 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
         "plain": args.region.plain,
         "windows": !args.region.plain && !args.region.no_windows,
         "cuts": !args.region.plain && !args.region.no_cuts,
+        "overlays": !args.region.plain && !args.region.no_overlays,
         "regions": pasted.report.regions.iter().map(|r| &r.name).collect::<Vec<_>>(),
         "pastes": pasted.report.paste.pastes,
         "drawsPerFace": pasted.report.paste.draws_per_face,

@@ -54,6 +54,9 @@ pub struct RegionArgs {
     /// Let each paste end where its mask does
     #[arg(long, help_heading = "Texture patches")]
     pub no_cuts: bool,
+    /// Lay no pastes over hard edges that show
+    #[arg(long, help_heading = "Texture patches")]
+    pub no_overlays: bool,
     /// Different splotches per exemplar
     #[arg(long, value_name = "N", default_value_t = 3, help_heading = "Texture patches")]
     pub splotches: u32,
@@ -212,6 +215,7 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
                 IsotropicArg::Conformal => IsotropicFit::Conformal,
             },
             hide_hard_edges: !args.no_sort,
+            overlays: !args.plain && !args.no_overlays,
             cull: !args.no_cull,
             windows: !args.plain && !args.no_windows,
             cuts: !args.plain && !args.no_cuts,

@@ -162,7 +162,8 @@ pub struct Project {
     pub distortion: Option<f64>,
     /// Leave large faces as they are.
     pub keep_faces: bool,
-    /// Each paste shows the part of its exemplar that agrees best with what lies around it, and ends where that shows least.
+    /// Each paste shows the part of its exemplar that agrees best with what lies around it, and ends where that shows least; others
+    /// are laid over hard edges.
     pub windows: bool,
     /// Seed of all random choices.
     pub seed: u64,
@@ -307,6 +308,7 @@ impl Project {
             paste: PasteOptions {
                 seed: self.seed,
                 distortion: self.distortion,
+                overlays: self.windows,
                 windows: self.windows,
                 cuts: self.windows,
                 ..PasteOptions::default()

@@ -55,8 +55,8 @@ pub fn draft(
     let choice = FitChoice { once: true, ..options.fit() };
     let one = |scratch: &mut Scratch, seeding: &Seeding| {
         let plan = &plans[usize::from(seeding.patch)];
-        let distortion = options.distortion_for(guide);
-        let site = Site { mesh, guide, plan, seed: seeding.at, distortion, predictor: options.predictor };
+        let distortion = options.distortion_for(guide, seeding.free);
+        let site = Site { mesh, guide, plan, seed: seeding.at, distortion, predictor: options.predictor, free: seeding.free };
         let laid = lay(site, seeding.angle, choice, scratch)?;
         Some((record(&laid, seeding.patch, plan, &masks[usize::from(seeding.patch)]).0, *seeding))
     };

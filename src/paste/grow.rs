@@ -68,6 +68,16 @@ pub struct Site<'a> {
     pub distortion: f64,
     /// How new vertices are placed.
     pub predictor: Predictor,
+    /// The guide's direction holds at the seed alone, and is propagated from there as where the guide has none.
+    pub free: bool,
+}
+
+impl Site<'_> {
+    /// True if directions are propagated from the seed.
+    #[must_use]
+    pub const fn propagates(&self) -> bool {
+        self.free || matches!(self.guide, Guide::Isotropic { .. })
+    }
 }
 
 /// A texture patch's hull in texture space: exemplar widths, t up, the centre at the origin.
@@ -196,6 +206,11 @@ impl<'a> PasteRule<'a> {
     /// The frame of a face beside the disc.
     fn frame(&self, joining: &Joining) -> Option<Frame> {
         match self.site.guide {
+            guide if self.site.propagates() => {
+                let normal = self.site.mesh.normal(joining.face);
+                let up = self.continued(joining, normal).normalize_or_zero();
+                Frame::from_up(up * f64::from(guide.scale(joining.face)), normal)
+            }
             Guide::Directed(field) if field.ways > 1 => {
                 let normal = self.site.mesh.normal(joining.face);
                 let (right, up) = field.basis(self.site.mesh, joining.face);
@@ -206,11 +221,7 @@ impl<'a> PasteRule<'a> {
                 Frame::new(turned(right), turned(up), normal)
             }
             Guide::Directed(field) => Frame::of(self.site.mesh, field, joining.face),
-            Guide::Isotropic { scale } => {
-                let normal = self.site.mesh.normal(joining.face);
-                let up = self.continued(joining, normal).normalize_or_zero();
-                Frame::from_up(up * f64::from(scale[joining.face as usize]), normal)
-            }
+            Guide::Isotropic { .. } => None,
         }
     }
 

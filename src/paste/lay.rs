@@ -3,7 +3,6 @@
 use super::fit::{Deviation, FitProblem, Fitter, IsotropicFit, Weights, deviations};
 use super::frame::Frame;
 use super::grow::{PasteRule, Site, Stops};
-use crate::field::Guide;
 use crate::mesh::disc::{Disc, Grower, Scratch};
 use crate::mesh::{Mesh, SurfacePoint};
 use glam::DVec2;
@@ -127,7 +126,7 @@ fn lay_evenly(
     let mut grower = Grower::new(site.mesh, scratch, site.seed.face, uv);
     grower.grow(&mut rule);
     witness.grown(grower.disc());
-    let isotropic = matches!(site.guide, Guide::Isotropic { .. }).then_some(choice.isotropic);
+    let isotropic = site.propagates().then_some(choice.isotropic);
     let fitter = |grower: &Grower, rule: &PasteRule| {
         let (disc, frames) = (grower.disc(), rule.frames());
         Fitter::new(&FitProblem { mesh: site.mesh, disc, frames, weights: choice.weights, isotropic })

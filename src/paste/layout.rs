@@ -16,7 +16,7 @@ use super::coverage_backend::{CoverageDrawer, CoveredFace};
 use super::grow::{PatchPlan, Predictor, Site, Stops};
 use super::lapped::Paste;
 use super::lay::{FitChoice, Laid, lay};
-use super::order::{HardEdge, hard_edges, mask_pixels};
+use super::order::{HardEdge, by_hard_edges, hard_edges, mask_pixels, permute};
 use super::seed::WeightedDraw;
 use super::statistics::Spread;
 use super::stencil::Stencil;
@@ -69,8 +69,8 @@ pub struct LayoutInput<'a> {
     pub pitch: &'a [f32],
     /// Per face, 0 to 1: how hard a patch is to lay flat there.
     pub difficulty: &'a [f32],
-    /// Distortion bound of growth.
-    pub distortion: f64,
+    /// Distortion bound of growth; and of that of pastes that are free of the guide's direction.
+    pub distortion: [f64; 2],
     /// How new vertices are placed.
     pub predictor: Predictor,
     /// How to fit.
@@ -92,6 +92,8 @@ pub struct Seeding {
     pub at: SurfacePoint,
     /// The turn of the texture where the guide leaves it open, radians.
     pub angle: f64,
+    /// Whether it is free of the guide's direction elsewhere than there.
+    pub free: bool,
 }
 
 /// Pastes in the order laid, and what is known of each.
@@ -157,6 +159,14 @@ struct Order {
     position: DVec3,
     reach: f64,
     angle: f64,
+    free: bool,
+}
+
+impl Order {
+    /// True if pastes laid at both hardly meet.
+    fn clear_of(&self, other: &Self) -> bool {
+        self.position.distance(other.position) > APART * (self.reach + other.reach)
+    }
 }
 
 /// A paste laid, before it is taken in.
@@ -230,6 +240,77 @@ impl<'a> Loop<'a> {
         Ok(())
     }
 
+    /// Lays a paste at each of these points, free of the guide's direction, if it and its hard edges are worth it. Points on faces
+    /// that one of them reached, taken or not, are passed over. Returns how many were taken.
+    ///
+    /// # Errors
+    /// If cancelled.
+    pub fn lay_over(
+        &mut self,
+        points: &[SurfacePoint],
+        worth: &impl Fn(&Paste, &[HardEdge]) -> bool,
+        progress: &dyn Progress,
+    ) -> Result<usize, PasteError> {
+        let mut done = vec![false; self.input.mesh.face_count()];
+        let mut left = points.iter().copied().peekable();
+        let mut laid = 0;
+        while left.peek().is_some() {
+            if progress.cancelled() {
+                return Err(PasteError::Cancelled);
+            }
+            let mut orders: Vec<Order> = Vec::new();
+            while let Some(&seed) = left.peek().filter(|_| orders.len() < BATCH) {
+                if done[seed.face as usize] {
+                    left.next();
+                    continue;
+                }
+                let order = Order { free: true, ..self.order(seed, None) };
+                if !orders.iter().all(|o| o.clear_of(&order)) {
+                    break;
+                }
+                left.next();
+                orders.push(order);
+            }
+            self.batch += 1;
+            let candidates: Vec<Option<Candidate>> = orders.par_iter().with_max_len(1).map(|o| self.candidate(o)).collect();
+            let mut taken = Vec::new();
+            for (order, candidate) in orders.into_iter().zip(candidates) {
+                let Some(candidate) = candidate else { continue };
+                candidate.paste.faces.iter().for_each(|&f| done[f as usize] = true);
+                done[order.seed.face as usize] = true;
+                if worth(&candidate.paste, &candidate.edges) {
+                    taken.push((order, candidate));
+                }
+            }
+            laid += taken.len();
+            for (order, candidate) in taken {
+                self.take(&order, candidate);
+            }
+        }
+        Ok(laid)
+    }
+
+    /// Puts the pastes with the longest hard edges to the bottom.
+    pub fn sort_by_hard_edges(&mut self) {
+        let order = by_hard_edges(&self.layout.edges);
+        let Layout { pastes, seedings, edges, .. } = &mut self.layout;
+        *pastes = permute(std::mem::take(pastes), &order);
+        *seedings = permute(std::mem::take(seedings), &order);
+        *edges = permute(std::mem::take(edges), &order);
+    }
+
+    /// What it works on.
+    #[must_use]
+    pub const fn input(&self) -> &LayoutInput<'a> {
+        &self.input
+    }
+
+    /// Hard edges of the pastes so far.
+    #[must_use]
+    pub fn edges(&self) -> &[Vec<HardEdge>] {
+        &self.layout.edges
+    }
+
     /// Hands the result out.
     #[must_use]
     pub fn finish(self) -> Layout {
@@ -274,7 +355,7 @@ impl<'a> Loop<'a> {
         }
         let angle = self.random.range(0.0, std::f64::consts::TAU);
         let reach = self.input.plans[patch as usize].radius * f64::from(self.input.guide.scale(seed.face));
-        Order { patch, seed, sample, position: self.input.mesh.position(seed), reach, angle }
+        Order { patch, seed, sample, position: self.input.mesh.position(seed), reach, angle, free: false }
     }
 
     fn draw_batch(&mut self) -> Vec<Order> {
@@ -291,8 +372,7 @@ impl<'a> Loop<'a> {
             let Some(sample) = tile.uncovered_sample(n) else { break };
             let bary = Lattice::new(&self.input.mesh.corners(face), self.pitch(face)).point(sample);
             let order = self.order(SurfacePoint { face, bary }, Some(sample));
-            let clear = |o: &Order| o.position.distance(order.position) > APART * (o.reach + order.reach);
-            if orders.iter().all(clear) {
+            if orders.iter().all(|o| o.clear_of(&order)) {
                 orders.push(order);
             }
         }
@@ -368,8 +448,9 @@ impl<'a> Loop<'a> {
             guide: self.input.guide,
             plan,
             seed: order.seed,
-            distortion: self.input.distortion,
+            distortion: self.input.distortion[usize::from(order.free)],
             predictor: self.input.predictor,
+            free: order.free,
         };
         let laid = lay(site, order.angle, self.input.fit, &mut scratch);
         if let Ok(mut pool) = self.scratch.lock() {
@@ -456,7 +537,7 @@ impl<'a> Loop<'a> {
         totals.lay_seconds += candidate.seconds[0];
         totals.cover_seconds += candidate.seconds[1];
         let laid = self.layout.pastes.len() as u32;
-        self.layout.seedings.push(Seeding { laid, patch: order.patch, at: order.seed, angle: order.angle });
+        self.layout.seedings.push(Seeding { laid, patch: order.patch, at: order.seed, angle: order.angle, free: order.free });
         self.layout.pastes.push(candidate.paste);
         self.layout.edges.push(candidate.edges);
     }

@@ -4,7 +4,7 @@
 //!
 //! One paste goes through [`grow`] (a disc of faces over the texture patch), [`fit`] (aligned with the field),
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
-//! again, [`order`] sorts the pastes so that hard edges hide, [`window`] chooses what each of them shows and [`seam`] where it
+//! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not, [`window`] chooses what each of them shows and [`seam`] where it
 //! ends, and what nobody can see is dropped. The result is a
 //! [`LappedTexture`]; [`Composite`] shows it. [`draft`](mod@draft) shows at once what a change will bring.
 
@@ -23,6 +23,7 @@ pub mod lay;
 pub mod layout;
 mod levels;
 pub mod order;
+pub mod overlay;
 mod relief;
 pub mod seam;
 pub mod seed;
@@ -52,7 +53,8 @@ use frame::singular_values;
 use glam::DMat2;
 use grow::PatchPlan;
 use layout::{Layout, LayoutInput, Loop};
-use order::{HardEdge, Seen};
+use order::{HardEdge, Seen, permute};
+use overlay::lay_over_hard_edges;
 use rayon::prelude::*;
 use seam::{choose_cuts, mend_holes};
 use serde::Serialize;
@@ -103,6 +105,8 @@ pub struct PasteOptions {
     pub isotropic_fit: IsotropicFit,
     /// Sort pastes so that hard edges lie at the bottom.
     pub hide_hard_edges: bool,
+    /// Lay pastes over hard edges that show ([`overlay`]), if they are hidden at all.
+    pub overlays: bool,
     /// Remove faces that later pastes hide.
     pub cull: bool,
     /// Let each paste show the part of its exemplar that agrees best with what lies around it ([`window`]).
@@ -124,6 +128,7 @@ impl Default for PasteOptions {
             weights: Weights::default(),
             isotropic_fit: IsotropicFit::default(),
             hide_hard_edges: true,
+            overlays: true,
             cull: true,
             windows: true,
             cuts: true,
@@ -134,10 +139,10 @@ impl Default for PasteOptions {
 }
 
 impl PasteOptions {
-    /// The distortion bound that holds for a guide.
+    /// The distortion bound that holds for a guide, and for pastes that are free of its direction.
     #[must_use]
-    pub fn distortion_for(&self, guide: &Guide) -> f64 {
-        let usual = if matches!(guide, Guide::Isotropic { .. }) { DISTORTION_ISOTROPIC } else { DISTORTION_DIRECTED };
+    pub fn distortion_for(&self, guide: &Guide, free: bool) -> f64 {
+        let usual = if free || matches!(guide, Guide::Isotropic { .. }) { DISTORTION_ISOTROPIC } else { DISTORTION_DIRECTED };
         self.distortion.unwrap_or(usual)
     }
 
@@ -247,6 +252,8 @@ pub struct PasteStatistics {
     pub least_alpha: f32,
     /// Pastes laid for holes it found.
     pub repairs: usize,
+    /// Pastes laid over hard edges that showed.
+    pub overlays: usize,
     /// Pastes with a hard edge.
     pub pastes_with_hard_edges: u64,
     /// World length of all hard edges, weighted by alpha.
@@ -365,7 +372,7 @@ pub fn cover(
         masks: &masks,
         pitch: &pitch,
         difficulty: if difficulty.is_empty() { &none } else { difficulty },
-        distortion: options.distortion_for(guide),
+        distortion: [false, true].map(|free| options.distortion_for(guide, free)),
         predictor: options.predictor,
         fit: options.fit(),
         seed: options.seed,
@@ -394,15 +401,15 @@ pub fn cover(
 
     let start = Instant::now();
     progress.stage("ordering and culling", 0);
-    let Layout { mut pastes, mut seedings, mut edges, totals } = work.finish();
+    if options.hide_hard_edges {
+        work.sort_by_hard_edges();
+    }
+    if options.hide_hard_edges && options.overlays {
+        statistics.overlays = lay_over_hard_edges(&mut work, options.seed, progress)?;
+    }
+    let Layout { pastes, seedings, edges, totals } = work.finish();
     statistics.pastes_laid = pastes.len();
     statistics.draws_before_cull = draws(mesh, &pastes).0;
-    if options.hide_hard_edges {
-        let order = order::by_hard_edges(&edges);
-        pastes = permute(pastes, &order);
-        edges = permute(edges, &order);
-        seedings = permute(seedings, &order);
-    }
     statistics.grown_faces = totals.grown_faces;
     statistics.iterations_per_fit = totals.iterations as f64 / (statistics.pastes_laid as f64 + totals.regrowths as f64);
     statistics.regrowths_per_paste = totals.regrowths as f64 / statistics.pastes_laid as f64;
@@ -435,7 +442,7 @@ impl Covered {
         }
         if asked.cuts {
             progress.stage("cutting borders", 0);
-            statistics.cuts = choose_cuts(mesh.face_count(), &mut lapped, &masks);
+            statistics.cuts = choose_cuts(mesh.face_count(), &mut lapped, &masks, &edges);
         }
         let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
         let mut seen = Seen::new(&lapped.pastes);
@@ -449,7 +456,8 @@ impl Covered {
         edges = permute(edges, &left);
         seedings = permute(seedings, &left);
         let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
-        statistics.visible_hard_edge_length = order::visible_length(&lapped, &lists, &edges);
+        statistics.visible_hard_edge_length =
+            order::visible_edges(mesh, &lapped.patches, &lapped.pastes, &lists, &edges).iter().flatten().sum();
         statistics.hard_edge_length = edges.iter().flatten().map(|e| f64::from(e.weight)).sum();
         let squares = mesh.total_area() / (scale * scale);
         statistics.visible_hard_edges_per_exemplar = statistics.visible_hard_edge_length / scale / squares;
@@ -460,11 +468,6 @@ impl Covered {
         statistics.seconds.total += seconds;
         (lapped, seedings, statistics)
     }
-}
-
-fn permute<T>(items: Vec<T>, order: &[u32]) -> Vec<T> {
-    let mut items: Vec<Option<T>> = items.into_iter().map(Some).collect();
-    order.iter().filter_map(|&i| items[i as usize].take()).collect()
 }
 
 /// Mean draws per face, and per area.

@@ -8,7 +8,7 @@ use super::composite::paste_alpha;
 use super::coverage::{Lattice, Tile};
 use super::lapped::{FaceLists, LappedTexture, Paste};
 use super::stencil::Stencil;
-use crate::exemplar::CoverageMask;
+use crate::exemplar::{CoverageMask, TexturePatch};
 use crate::mesh::{Mesh, SurfacePoint};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
@@ -65,28 +65,43 @@ pub fn by_hard_edges(edges: &[Vec<HardEdge>]) -> Vec<u32> {
     order
 }
 
-/// World length of hard edges that show, each weighted by its alpha and by what the pastes above let through.
+/// For each paste and hard edge: the world length that shows, weighted by the alpha that its paste has there and by what the pastes
+/// above let through.
 #[must_use]
-pub fn visible_length(lapped: &LappedTexture, lists: &FaceLists, edges: &[Vec<HardEdge>]) -> f64 {
-    let shows = |(paste, edges): (usize, &Vec<HardEdge>)| -> f64 {
+pub fn visible_edges(
+    mesh: &Mesh,
+    patches: &[TexturePatch],
+    pastes: &[Paste],
+    lists: &FaceLists,
+    edges: &[Vec<HardEdge>],
+) -> Vec<Vec<f64>> {
+    let alpha = |&(p, slot): &(u32, u32), bary| paste_alpha(patches, &pastes[p as usize], slot, bary);
+    let shows = |(paste, edges): (usize, &Vec<HardEdge>)| {
         let one = |edge: &HardEdge| {
-            let above = lists.of(edge.face).iter().filter(|(p, _)| *p as usize > paste);
-            let through = edge_steps().map(|t| {
+            let list = lists.of(edge.face);
+            let from = list.partition_point(|(p, _)| (*p as usize) < paste);
+            // A paste may have lost the face, where nothing of it shows.
+            if list.get(from).is_none_or(|(p, _)| *p as usize != paste) {
+                return 0.0;
+            }
+            let (a, b) = (edge.edge as usize, (edge.edge as usize + 1) % 3);
+            let part = edge_steps().map(|t| {
                 let mut bary = Vec3::ZERO;
-                bary[edge.edge as usize] = 1.0 - t;
-                bary[(edge.edge as usize + 1) % 3] = t;
-                above
-                    .clone()
-                    .map(|&(p, slot)| 1.0 - paste_alpha(&lapped.patches, &lapped.pastes[p as usize], slot, bary))
-                    .product::<f32>()
+                (bary[a], bary[b]) = (1.0 - t, t);
+                alpha(&list[from], bary) * list[from + 1..].iter().map(|entry| 1.0 - alpha(entry, bary)).product::<f32>()
             });
-            f64::from(edge.weight * through.sum::<f32>() / EDGE_SAMPLES as f32)
+            let p = mesh.corners(edge.face);
+            p[a].distance(p[b]) * f64::from(part.sum::<f32>() / EDGE_SAMPLES as f32)
         };
-        edges.iter().map(one).sum()
+        edges.iter().map(one).collect()
     };
-    // Sums in index order, so that the last bits do not depend on the number of threads.
-    let each: Vec<f64> = edges.par_iter().enumerate().map(shows).collect();
-    each.iter().sum()
+    edges.par_iter().enumerate().map(shows).collect()
+}
+
+/// These items in this order.
+pub(super) fn permute<T>(items: Vec<T>, order: &[u32]) -> Vec<T> {
+    let mut items: Vec<Option<T>> = items.into_iter().map(Some).collect();
+    order.iter().filter_map(|&i| items[i as usize].take()).collect()
 }
 
 /// Mask pixels of a paste's face.

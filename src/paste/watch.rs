@@ -82,8 +82,9 @@ impl Growth {
             guide,
             plan: &plan,
             seed: seeding.at,
-            distortion: options.distortion_for(guide),
+            distortion: options.distortion_for(guide, seeding.free),
             predictor: options.predictor,
+            free: seeding.free,
         };
         let mut stages = Stages::default();
         let laid = lay_before(site, seeding.angle, options.fit(), &mut Scratch::new(mesh), &mut stages)?;

@@ -36,7 +36,7 @@ fn laid_with(
 ) -> Laid {
     let plan = PatchPlan::new(patch, BRICKS_WIDTH);
     let distortion = if guide.field().is_some() { DISTORTION_DIRECTED } else { DISTORTION_ISOTROPIC };
-    lay(Site { mesh, guide, plan: &plan, seed, distortion, predictor }, 0.7, fit, scratch).unwrap()
+    lay(Site { mesh, guide, plan: &plan, seed, distortion, predictor, free: false }, 0.7, fit, scratch).unwrap()
 }
 
 /// Vertices, edges, faces, boundary loops and pieces of a set of faces, counted by corner indices alone.

@@ -42,7 +42,8 @@ fn one_paste_gives_the_exemplar_back() {
         let plan = PatchPlan::new(&patch, w);
         let centre = DVec3::new(1.03, 0.97, 0.0);
         let seed = finder.nearest(centre).unwrap().at;
-        let site = Site { mesh: &mesh, guide: &guide, plan: &plan, seed, distortion: 1.0, predictor: Predictor::Field };
+        let site =
+            Site { mesh: &mesh, guide: &guide, plan: &plan, seed, distortion: 1.0, predictor: Predictor::Field, free: false };
         let laid = lay(site, 0.0, FitChoice::default(), &mut Scratch::new(&mesh)).unwrap();
         let uv = (0..laid.disc.faces.len()).map(|i| laid.disc.face_uv(i).map(|q| plan.mask_uv(q).as_vec2())).collect();
         let paste = Paste { patch: 0, faces: laid.disc.faces.clone(), uv, offset: Vec2::ZERO, cut: None };

@@ -11,6 +11,7 @@ mod flat;
 #[path = "../common/folder.rs"]
 mod folder;
 mod hard;
+mod overlays;
 mod repeat;
 mod ways;
 mod windows;

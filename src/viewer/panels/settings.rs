@@ -274,8 +274,8 @@ fn patches(app: &mut App, ui: &mut Ui) {
 
         let mut windows = project.windows;
         ui.label("");
-        let hint = "Each paste shows the part of its exemplar that agrees best with what lies around it, and ends where that shows least; the paper's \
-                    pastes all show the same";
+        let hint = "Each paste shows the part of its exemplar that agrees best with what lies around it, and ends where that shows least; others are \
+                    laid over hard edges. The paper's pastes all show the same";
         if ui.checkbox(&mut windows, "match borders").on_hover_text(hint).changed() {
             app.edit("windows", |p| p.windows = windows);
         }

@@ -159,7 +159,8 @@ pub fn topmost(of_face: &[(u32, u32)], shown: usize) -> Option<usize> {
 #[must_use]
 pub fn describe(paste: usize, count: usize, seeding: Option<&Seeding>) -> String {
     let laid = seeding.map_or_else(String::new, |s| format!(", laid as number {}", s.laid + 1));
-    format!("paste {} of {count} from below{laid}", paste + 1)
+    let free = if seeding.is_some_and(|s| s.free) { ", over a hard edge and free of the field" } else { "" };
+    format!("paste {} of {count} from below{laid}{free}", paste + 1)
 }
 
 #[cfg(test)]

@@ -10,22 +10,27 @@
 //! 2. A paste is compared with what lies below it on a grid over its mask, a few dozen cells a side. Cells that are not covered below
 //!    must stay inside.
 //! 3. On each of the ways out of the middle ([`Cut`]) a border may lie at a few distances, from where the outermost such
-//!    cell ends to where the mask does. Dynamic programming finds the closed path of least difference through them: once around
-//!    twice to find a place that it passes, then once around from there and back to it.
-//! 4. A path that is not clearly better than the mask's own border is given up.
+//!    cell ends to where the mask does. Dynamic programming finds the closed path of least difference through them ([`path`]).
+//! 4. Where growth stopped inside the mask a paste ends in a hard edge. A border that leaves it to show pays for the step there, and
+//!    for more than a soft one; so a paste with hard edges is cut before them, softly, wherever something lies below.
+//! 5. A path that is not clearly better than the mask's own border is given up.
 //!
 //! Colours and all other channels count as [`crate::exemplar::stack`] weighs them. Only patches whose content may slide are cut:
 //! other masks follow the exemplar.
+
+mod path;
 
 use super::composite::paste_alpha;
 use super::cut::{CUT_STEPS, Cut};
 use super::lapped::{FaceLists, LappedTexture};
 use super::levels::Level;
+use super::order::HardEdge;
 use super::stencil::Stencil;
 use super::window::waves;
 use crate::exemplar::{ChannelSet, CoverageMask, Exemplar, TexturePatch};
 use crate::mesh::SurfacePoint;
 use glam::{Vec2, Vec3};
+use path::shortest;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -33,10 +38,12 @@ use serde::Serialize;
 const GRID: usize = 96;
 /// Longest side of the level of the exemplar that is compared: a pixel a cell or so.
 const LEVEL_SIDE: u32 = 128;
-/// How deep inside the edge of the mask borders may run, 1 being its middle: pastes overlap by about so much.
-const DEPTH: f32 = 0.4;
+/// How deep inside the edge of the mask borders may run, 1 being its middle.
+const DEPTH: f32 = 0.8;
 /// Distances that are tried on each way.
-const RINGS: usize = 28;
+const RINGS: usize = 56;
+/// The first of them for pastes without a hard edge: others overlap them by about the rest.
+const SHALLOW: usize = 28;
 /// How many rings a path may climb from one way to the next: at 8 it may run at 61 degrees to the mask's edge.
 const CLIMB: usize = 8;
 /// Length of a step outwards by one ring, as a share of one from way to way.
@@ -45,6 +52,10 @@ const RISE: f32 = (DEPTH / RINGS as f32) / (8.0 / CUT_STEPS as f32);
 const FLOOR: f32 = 0.000_25;
 /// How much a place counts that pastes above hide: they may be cut there.
 const HIDDEN: f32 = 0.1;
+/// How much more a step without a feather shows than one with it.
+const HARD: f32 = 4.0;
+/// Hard edges where the mask has less alpha than this show nothing.
+const FAINT: f32 = 0.02;
 /// Cells whose alpha below, at its least within [`NEAR`], is less are not covered.
 const COVERED: f32 = 0.997;
 /// Radius of that, pixels of the mask below: as far as coverage looks around a sample.
@@ -123,12 +134,10 @@ struct Comparison {
     error: Vec<[f32; 2]>,
     /// Per way, the least distance of a border from the middle.
     least: [f32; CUT_STEPS],
-}
-
-/// A closed path: a ring per way; and weight and squared differences along the mask's border and along it.
-struct Path {
-    rings: [usize; CUT_STEPS],
-    sums: [f64; 3],
+    /// The first ring where a border may lie.
+    first: usize,
+    /// Per way and ring, the same as `error` for the hard edges that a border there leaves to show. Empty if there are none.
+    hard: Vec<[[f32; 2]; RINGS]>,
 }
 
 /// The cut of a paste, if it is worth one, and the sums of its border.
@@ -143,17 +152,25 @@ struct Matcher<'a> {
     lists: FaceLists,
     levels: Vec<Level>,
     masks: &'a [CoverageMask],
+    edges: &'a [Vec<HardEdge>],
     plans: Vec<Option<Plan>>,
 }
 
-/// Cuts all pastes, once their windows are chosen. Exemplars that tile must say so by their `wrap`.
-pub fn choose_cuts(face_count: usize, lapped: &mut LappedTexture, masks: &[CoverageMask]) -> CutStatistics {
+/// Cuts all pastes, once their windows are chosen. Exemplars that tile must say so by their `wrap`; `edges` are the hard edges of each
+/// paste.
+pub fn choose_cuts(
+    face_count: usize,
+    lapped: &mut LappedTexture,
+    masks: &[CoverageMask],
+    edges: &[Vec<HardEdge>],
+) -> CutStatistics {
     let begin = std::time::Instant::now();
     let channels = lapped.exemplars.iter().map(Exemplar::channels).reduce(ChannelSet::intersection).unwrap_or_default();
     let matcher = Matcher {
         lists: FaceLists::new(face_count, &lapped.pastes),
         levels: lapped.exemplars.iter().map(|e| Level::of_side(e, channels, LEVEL_SIDE)).collect(),
         masks,
+        edges,
         plans: lapped.patches.par_iter().map(|p| p.slides.then(|| Plan::new(p))).collect(),
         lapped,
     };
@@ -220,8 +237,8 @@ impl Matcher<'_> {
             return Found::default();
         };
         let path = shortest(plan, &compared);
-        let [weight, before, after] = path.sums;
-        if after >= f64::from(WORTH) * before {
+        let [weight, before, _] = path.sums;
+        if path.price[1] >= f64::from(WORTH) * path.price[0] {
             return Found { cut: None, sums: [weight, before, before] };
         }
         let step = |way: usize| {
@@ -234,10 +251,13 @@ impl Matcher<'_> {
     /// Compares a paste with what lies below. `None` if nothing does.
     fn compare(&self, k: u32, plan: &Plan, cuts: &[Option<Box<Cut>>]) -> Option<Comparison> {
         let paste = &self.lapped.pastes[k as usize];
-        let mut compared = Comparison { error: vec![[0.0; 2]; GRID * GRID], least: [0.0; CUT_STEPS] };
+        let hard = &self.edges[k as usize];
+        let first = if hard.is_empty() { SHALLOW } else { 0 };
+        let mut compared = Comparison { error: vec![[0.0; 2]; GRID * GRID], least: [0.0; CUT_STEPS], first, hard: Vec::new() };
         let mut any = false;
         let mut below = Vec::new();
         let side = GRID as f32;
+        let deepest = distance(first) - 4.0 / side;
         for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
             let [a, b, c] = uv.map(|p| p * side);
             let low = (a.min(b).min(c) - 0.5).ceil().max(Vec2::ZERO);
@@ -253,7 +273,7 @@ impl Matcher<'_> {
                     let cell = y * GRID + x;
                     let p = Vec2::new(x as f32, y as f32) + 0.5;
                     let place = Cut::place(p / side);
-                    if plan.alpha[cell] <= 0.0 || place.1 < 1.0 - DEPTH - 4.0 / side {
+                    if plan.alpha[cell] <= 0.0 || place.1 < deepest {
                         continue;
                     }
                     let bary = Vec3::new((c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)) / turn;
@@ -266,18 +286,63 @@ impl Matcher<'_> {
                         continue;
                     }
                     any = true;
-                    let above = |&(paste, slot): &(u32, u32)| {
-                        1.0 - paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, bary)
-                    };
-                    let seen: f32 = list[own + 1..].iter().map(above).product();
-                    let weight = seen.max(HIDDEN);
-                    let shown = self.shown(k, list[own].1, bary);
-                    let error: f32 = shown.iter().zip(&below).map(|(a, b)| (a - b / covered) * (a - b / covered)).sum();
-                    compared.error[cell] = [weight * error, weight];
+                    compared.error[cell] = self.difference(list, own, bary, covered, &below);
                 }
             }
         }
+        if any && !hard.is_empty() {
+            self.add_hard_edges(k, plan, cuts, &mut compared);
+        }
         any.then_some(compared)
+    }
+
+    /// Squared difference, at a point, of the paste at a place of its face's list from what lies below it, weighted by what the
+    /// pastes above let through; and that weight.
+    fn difference(&self, list: &[(u32, u32)], own: usize, bary: Vec3, covered: f32, below: &[f32]) -> [f32; 2] {
+        let above =
+            |&(paste, slot): &(u32, u32)| 1.0 - paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, bary);
+        let seen: f32 = list[own + 1..].iter().map(above).product();
+        let weight = seen.max(HIDDEN);
+        let shown = self.shown(list[own].0, list[own].1, bary);
+        let error: f32 = shown.iter().zip(below).map(|(a, b)| (a - b / covered) * (a - b / covered)).sum();
+        [weight * error, weight]
+    }
+
+    /// Lets borders pay for the hard edges that they leave to show, as far as something lies below.
+    fn add_hard_edges(&self, k: u32, plan: &Plan, cuts: &[Option<Box<Cut>>], compared: &mut Comparison) {
+        compared.hard = vec![[[0.0; 2]; RINGS]; CUT_STEPS];
+        let paste = &self.lapped.pastes[k as usize];
+        let mask = &self.masks[paste.patch as usize];
+        let size = Vec2::from(mask.size().map(|s| s as f32));
+        let mut below = Vec::new();
+        for edge in &self.edges[k as usize] {
+            let list = self.lists.of(edge.face);
+            let own = list.partition_point(|&(paste, _)| paste < k);
+            let Some(uv) = list.get(own).filter(|entry| entry.0 == k).map(|entry| &paste.uv[entry.1 as usize]) else { continue };
+            let (from, to) = (usize::from(edge.edge), (usize::from(edge.edge) + 1) % 3);
+            let length = uv[from].distance(uv[to]);
+            let steps = (length * GRID as f32).ceil().max(1.0);
+            // In steps from way to way at the mask's edge, as paths are measured.
+            let part = length / steps * CUT_STEPS as f32 / 4.0;
+            for step in 0..steps as u32 {
+                let t = (step as f32 + 0.5) / steps;
+                let mut bary = Vec3::ZERO;
+                (bary[from], bary[to]) = (1.0 - t, t);
+                let at = uv[from].lerp(uv[to], t);
+                let alpha = mask.alpha(at * size);
+                let [covered, least] = self.below(&list[..own], bary, cuts, &mut below);
+                if alpha < FAINT || least < COVERED {
+                    continue;
+                }
+                let shows = self.difference(list, own, bary, covered, &below).map(|v| v * alpha * part);
+                let (way, out) = Cut::place(at);
+                // Rings are even, so the first whose ramp reaches the edge is found by counting; an uncut way leaves it whole.
+                let reaches = (0..RINGS).take_while(|&ring| distance(ring) + 0.5 * plan.soft <= out).count();
+                for ring in &mut compared.hard[way][reaches.min(plan.end[way].saturating_sub(1))..] {
+                    *ring = [ring[0] + shows[0], ring[1] + shows[1]];
+                }
+            }
+        }
     }
 
     /// Adds up what the pastes of a list show; returns their alpha together, there and at its least near there.
@@ -329,108 +394,6 @@ impl Comparison {
         for way in way + CUT_STEPS - aside..=way + CUT_STEPS + aside {
             let least = &mut self.least[way % CUT_STEPS];
             *least = least.max(at + margin);
-        }
-    }
-}
-
-/// The closed path of least difference.
-fn shortest(plan: &Plan, compared: &Comparison) -> Path {
-    // From the mask's border on, all rings stand for it.
-    let cost: Vec<[f32; RINGS]> = (0..CUT_STEPS)
-        .map(|way| {
-            std::array::from_fn(|ring| {
-                let inside = ring + 1 < plan.end[way];
-                let open = inside && distance(ring) < compared.least[way];
-                if open { f32::INFINITY } else { FLOOR + compared.error[plan.cell[way * RINGS + ring] as usize][0] }
-            })
-        })
-        .collect();
-    let twice = around(&cost, 2, None);
-    let rings = around(&cost, 1, Some(twice[CUT_STEPS]));
-    let mut path = Path { rings: [0; CUT_STEPS], sums: [0.0; 3] };
-    for (way, (ring, chosen)) in path.rings.iter_mut().zip(rings).enumerate() {
-        *ring = chosen;
-        let at = |ring: usize| compared.error[plan.cell[way * RINGS + ring] as usize].map(f64::from);
-        path.sums[0] += at(RINGS - 1)[1];
-        path.sums[1] += at(RINGS - 1)[0];
-        path.sums[2] += at(chosen)[0];
-    }
-    path
-}
-
-/// The cheapest path so many times around, from way 0 back to it: at a ring given, or anywhere. One ring more than ways passed.
-fn around(cost: &[[f32; RINGS]], times: usize, ends: Option<usize>) -> Vec<usize> {
-    let length: [f32; CLIMB + 1] = std::array::from_fn(|climb| (1.0 + (climb as f32 * RISE).powi(2)).sqrt() * 0.5);
-    let mut total: [f32; RINGS] = std::array::from_fn(|ring| if ends.is_none_or(|e| e == ring) { 0.0 } else { f32::INFINITY });
-    let mut before = cost[0];
-    let mut from: Vec<[u8; RINGS]> = Vec::with_capacity(times * CUT_STEPS);
-    for way in 1..=times * CUT_STEPS {
-        let here = cost[way % CUT_STEPS];
-        let (mut next, mut came) = ([f32::INFINITY; RINGS], [0; RINGS]);
-        for ring in 0..RINGS {
-            for last in ring.saturating_sub(CLIMB)..=(ring + CLIMB).min(RINGS - 1) {
-                let sum = total[last] + length[ring.abs_diff(last)] * (before[last] + here[ring]);
-                if sum < next[ring] {
-                    (next[ring], came[ring]) = (sum, last as u8);
-                }
-            }
-        }
-        (total, before) = (next, here);
-        from.push(came);
-    }
-    let cheapest = || (0..RINGS).rev().min_by(|&a, &b| total[a].total_cmp(&total[b])).unwrap_or(RINGS - 1);
-    let mut rings = vec![ends.unwrap_or_else(cheapest)];
-    for came in from.iter().rev() {
-        rings.push(usize::from(came[rings[rings.len() - 1]]));
-    }
-    rings.reverse();
-    rings
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::random::Random;
-
-    /// What a path costs.
-    fn price(cost: &[[f32; RINGS]], rings: &[usize]) -> f32 {
-        let step = |(way, pair): (usize, &[usize])| {
-            let rise = pair[0].abs_diff(pair[1]) as f32 * RISE;
-            0.5 * (cost[way][pair[0]] + cost[(way + 1) % CUT_STEPS][pair[1]]) * rise.hypot(1.0)
-        };
-        rings.windows(2).enumerate().map(step).sum()
-    }
-
-    #[test]
-    fn a_path_follows_a_valley_and_comes_back_to_where_it_began() {
-        let valley = |way: usize| {
-            let turn = std::f32::consts::TAU * way as f32 / CUT_STEPS as f32;
-            (RINGS as f32 * (0.5 + 0.4 * (2.0 * turn).sin())) as usize
-        };
-        let cost: Vec<[f32; RINGS]> =
-            (0..CUT_STEPS).map(|way| std::array::from_fn(|ring| if ring == valley(way) { 0.01 } else { 1.0 })).collect();
-        let start = around(&cost, 2, None)[CUT_STEPS];
-        let rings = around(&cost, 1, Some(start));
-        assert_eq!(rings.first(), rings.last(), "closed");
-        for way in 0..CUT_STEPS {
-            assert_eq!(rings[way], valley(way), "way {way}");
-        }
-    }
-
-    #[test]
-    fn no_closed_path_through_its_beginning_is_cheaper() {
-        let mut random = Random::new(4, 0);
-        let cost: Vec<[f32; RINGS]> = (0..CUT_STEPS).map(|_| std::array::from_fn(|_| random.unit() as f32)).collect();
-        let rings = around(&cost, 1, Some(7));
-        let best = price(&cost, &rings);
-        for _ in 0..2000 {
-            // Another path that leaves it for a while.
-            let mut other = rings.clone();
-            let way = 1 + random.below(CUT_STEPS as u64 - 2) as usize;
-            other[way] = (other[way] + random.below(3) as usize).saturating_sub(1).min(RINGS - 1);
-            if other.windows(2).all(|w| w[0].abs_diff(w[1]) <= CLIMB) {
-                assert!(price(&cost, &other) >= best - 1e-4, "cheaper by way {way}");
-            }
         }
     }
 }

@@ -1,0 +1,64 @@
+//! Hard edges: pastes laid over those that show, and cuts before the rest.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
+
+use crate::common::{asset, patches};
+use lapped::assets;
+use lapped::exemplar::PatchSource;
+use lapped::field::{Guide, TangentField, default_scale};
+use lapped::mesh::Mesh;
+use lapped::paste::{Finish, PasteOptions, PasteStatistics, Seeding, cover};
+use lapped::progress::Silent;
+
+/// A directed guide along +Y, with poles wherever the surface faces up or down.
+fn along_y(mesh: &Mesh) -> Guide {
+    let scale = default_scale(mesh, 40.0, 1.0);
+    let up = |f: u32| {
+        let normal = mesh.normal(f);
+        let up = glam::DVec3::Y - normal * normal.y;
+        (up.normalize_or(normal.any_orthonormal_vector()) * scale).as_vec3()
+    };
+    Guide::Directed(TangentField::along((0..mesh.face_count() as u32).map(up).collect()))
+}
+
+fn pasted(overlays: bool, cuts: bool) -> (Vec<Seeding>, PasteStatistics) {
+    let mesh = asset("dragonling");
+    let options = PasteOptions { overlays, windows: false, cuts, cull: false, ..PasteOptions::default() };
+    let patches = patches("weave", PatchSource::Splotch);
+    let exemplar = assets::exemplar("weave").unwrap();
+    let covered = cover(&mesh, &along_y(&mesh), vec![exemplar], patches, &[], &options, &Silent).unwrap();
+    let (_, seedings, statistics) = covered.finish(&mesh, Finish { windows: false, cuts }, &Silent);
+    (seedings, statistics)
+}
+
+#[test]
+fn pastes_over_hard_edges_leave_few_to_be_seen_and_take_none_away() {
+    let (mut before, bare) = pasted(false, false);
+    let (mut after, over) = pasted(true, false);
+    assert!(bare.visible_hard_edge_length > 0.0 && bare.overlays == 0);
+    assert!(
+        over.visible_hard_edge_length < 0.6 * bare.visible_hard_edge_length,
+        "{} of {} still shows, {} laid over",
+        over.visible_hard_edge_length,
+        bare.visible_hard_edge_length,
+        over.overlays
+    );
+    assert!(over.least_alpha >= 0.98, "{}", over.least_alpha);
+    before.sort_by_key(|s| s.laid);
+    after.sort_by_key(|s| s.laid);
+    assert_eq!(before[..], after[..before.len()], "the pastes of before are all there");
+    assert!(before.iter().all(|s| !s.free) && after[before.len()..].iter().all(|s| s.free));
+    assert_eq!(after.len() - before.len(), over.overlays);
+}
+
+#[test]
+fn borders_are_cut_before_hard_edges_where_something_lies_below() {
+    let (_, whole) = pasted(true, false);
+    let (_, cut) = pasted(true, true);
+    assert!(
+        cut.visible_hard_edge_length < 0.9 * whole.visible_hard_edge_length,
+        "{} of {} still shows",
+        cut.visible_hard_edge_length,
+        whole.visible_hard_edge_length
+    );
+}
