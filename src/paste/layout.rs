@@ -240,7 +240,7 @@ impl<'a> Loop<'a> {
         Ok(())
     }
 
-    /// Lays a paste at each of these points, free of the guide's direction, if it and its hard edges are worth it. Points on faces
+    /// Lays a paste at each of these points, free of the guide's direction unless it is a whole basis, if it and its hard edges are worth it. Points on faces
     /// that one of them reached, taken or not, are passed over. Returns how many were taken.
     ///
     /// # Errors
@@ -251,6 +251,8 @@ impl<'a> Loop<'a> {
         worth: &impl Fn(&Paste, &[HardEdge]) -> bool,
         progress: &dyn Progress,
     ) -> Result<usize, PasteError> {
+        // A whole basis shears and stretches; only the field knows how.
+        let free = self.input.guide.field().is_none_or(|field| field.right.is_none());
         let mut done = vec![false; self.input.mesh.face_count()];
         let mut left = points.iter().copied().peekable();
         let mut laid = 0;
@@ -264,7 +266,7 @@ impl<'a> Loop<'a> {
                     left.next();
                     continue;
                 }
-                let order = Order { free: true, ..self.order(seed, None) };
+                let order = Order { free, ..self.order(seed, None) };
                 if !orders.iter().all(|o| o.clear_of(&order)) {
                     break;
                 }

@@ -442,7 +442,7 @@ impl Covered {
         }
         if asked.cuts {
             progress.stage("cutting borders", 0);
-            statistics.cuts = choose_cuts(mesh.face_count(), &mut lapped, &masks, &edges);
+            statistics.cuts = choose_cuts(mesh, &mut lapped, &masks, &edges);
         }
         let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
         let mut seen = Seen::new(&lapped.pastes);

@@ -98,6 +98,19 @@ pub fn visible_edges(
     edges.par_iter().enumerate().map(shows).collect()
 }
 
+/// Share of a hard edge that must show before it counts.
+const SHOWN: f64 = 0.1;
+
+/// The hard edges of each paste that show.
+#[must_use]
+pub fn shown_edges(mesh: &Mesh, lapped: &LappedTexture, lists: &FaceLists, edges: &[Vec<HardEdge>]) -> Vec<Vec<HardEdge>> {
+    let shows = visible_edges(mesh, &lapped.patches, &lapped.pastes, lists, edges);
+    let of_paste = |(edges, shows): (&Vec<HardEdge>, &Vec<f64>)| {
+        edges.iter().zip(shows).filter(|(edge, shows)| **shows > SHOWN * f64::from(edge.weight)).map(|(edge, _)| *edge).collect()
+    };
+    edges.iter().zip(&shows).map(of_paste).collect()
+}
+
 /// These items in this order.
 pub(super) fn permute<T>(items: Vec<T>, order: &[u32]) -> Vec<T> {
     let mut items: Vec<Option<T>> = items.into_iter().map(Some).collect();

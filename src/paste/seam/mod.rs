@@ -12,24 +12,27 @@
 //! 3. On each of the ways out of the middle ([`Cut`]) a border may lie at a few distances, from where the outermost such
 //!    cell ends to where the mask does. Dynamic programming finds the closed path of least difference through them ([`path`]).
 //! 4. Where growth stopped inside the mask a paste ends in a hard edge. A border that leaves it to show pays for the step there, and
-//!    for more than a soft one; so a paste with hard edges is cut before them, softly, wherever something lies below.
+//!    for more than a soft one; so a paste with hard edges is cut before them, softly, wherever something lies below. A border that
+//!    would uncover a hard edge of another paste pays as well ([`hard`]).
 //! 5. A path that is not clearly better than the mask's own border is given up.
 //!
 //! Colours and all other channels count as [`crate::exemplar::stack`] weighs them. Only patches whose content may slide are cut:
 //! other masks follow the exemplar.
 
+mod hard;
 mod path;
 
 use super::composite::paste_alpha;
 use super::cut::{CUT_STEPS, Cut};
 use super::lapped::{FaceLists, LappedTexture};
 use super::levels::Level;
-use super::order::HardEdge;
+use super::order::{HardEdge, shown_edges};
 use super::stencil::Stencil;
 use super::window::waves;
 use crate::exemplar::{ChannelSet, CoverageMask, Exemplar, TexturePatch};
-use crate::mesh::SurfacePoint;
+use crate::mesh::{Mesh, SurfacePoint};
 use glam::{Vec2, Vec3};
+use hard::EdgesByFace;
 use path::shortest;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -54,8 +57,6 @@ const FLOOR: f32 = 0.000_25;
 const HIDDEN: f32 = 0.1;
 /// How much more a step without a feather shows than one with it.
 const HARD: f32 = 4.0;
-/// Hard edges where the mask has less alpha than this show nothing.
-const FAINT: f32 = 0.02;
 /// Cells whose alpha below, at its least within [`NEAR`], is less are not covered.
 const COVERED: f32 = 0.997;
 /// Radius of that, pixels of the mask below: as far as coverage looks around a sample.
@@ -136,7 +137,7 @@ struct Comparison {
     least: [f32; CUT_STEPS],
     /// The first ring where a border may lie.
     first: usize,
-    /// Per way and ring, the same as `error` for the hard edges that a border there leaves to show. Empty if there are none.
+    /// Per way and ring, the same as `error` for the hard edges that a border there lets show. Empty if there are none.
     hard: Vec<[[f32; 2]; RINGS]>,
 }
 
@@ -152,25 +153,25 @@ struct Matcher<'a> {
     lists: FaceLists,
     levels: Vec<Level>,
     masks: &'a [CoverageMask],
-    edges: &'a [Vec<HardEdge>],
+    /// Hard edges of each paste that show while nothing is cut.
+    shown: Vec<Vec<HardEdge>>,
+    hidden: EdgesByFace,
     plans: Vec<Option<Plan>>,
 }
 
 /// Cuts all pastes, once their windows are chosen. Exemplars that tile must say so by their `wrap`; `edges` are the hard edges of each
 /// paste.
-pub fn choose_cuts(
-    face_count: usize,
-    lapped: &mut LappedTexture,
-    masks: &[CoverageMask],
-    edges: &[Vec<HardEdge>],
-) -> CutStatistics {
+pub fn choose_cuts(mesh: &Mesh, lapped: &mut LappedTexture, masks: &[CoverageMask], edges: &[Vec<HardEdge>]) -> CutStatistics {
+    let face_count = mesh.face_count();
     let begin = std::time::Instant::now();
     let channels = lapped.exemplars.iter().map(Exemplar::channels).reduce(ChannelSet::intersection).unwrap_or_default();
+    let lists = FaceLists::new(face_count, &lapped.pastes);
     let matcher = Matcher {
-        lists: FaceLists::new(face_count, &lapped.pastes),
+        shown: shown_edges(mesh, lapped, &lists, edges),
+        hidden: EdgesByFace::new(edges),
+        lists,
         levels: lapped.exemplars.iter().map(|e| Level::of_side(e, channels, LEVEL_SIDE)).collect(),
         masks,
-        edges,
         plans: lapped.patches.par_iter().map(|p| p.slides.then(|| Plan::new(p))).collect(),
         lapped,
     };
@@ -251,8 +252,7 @@ impl Matcher<'_> {
     /// Compares a paste with what lies below. `None` if nothing does.
     fn compare(&self, k: u32, plan: &Plan, cuts: &[Option<Box<Cut>>]) -> Option<Comparison> {
         let paste = &self.lapped.pastes[k as usize];
-        let hard = &self.edges[k as usize];
-        let first = if hard.is_empty() { SHALLOW } else { 0 };
+        let first = if self.shown[k as usize].is_empty() { SHALLOW } else { 0 };
         let mut compared = Comparison { error: vec![[0.0; 2]; GRID * GRID], least: [0.0; CUT_STEPS], first, hard: Vec::new() };
         let mut any = false;
         let mut below = Vec::new();
@@ -286,63 +286,28 @@ impl Matcher<'_> {
                         continue;
                     }
                     any = true;
-                    compared.error[cell] = self.difference(list, own, bary, covered, &below);
+                    let weight = self.seen(list, own, bary);
+                    compared.error[cell] = [weight * self.difference(list[own], bary, covered, &below), weight];
                 }
             }
         }
-        if any && !hard.is_empty() {
+        if any {
             self.add_hard_edges(k, plan, cuts, &mut compared);
         }
         any.then_some(compared)
     }
 
-    /// Squared difference, at a point, of the paste at a place of its face's list from what lies below it, weighted by what the
-    /// pastes above let through; and that weight.
-    fn difference(&self, list: &[(u32, u32)], own: usize, bary: Vec3, covered: f32, below: &[f32]) -> [f32; 2] {
+    /// How much a point counts for the paste at a place of its face's list: what the pastes above, not cut yet, let through.
+    fn seen(&self, list: &[(u32, u32)], own: usize, bary: Vec3) -> f32 {
         let above =
             |&(paste, slot): &(u32, u32)| 1.0 - paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, bary);
-        let seen: f32 = list[own + 1..].iter().map(above).product();
-        let weight = seen.max(HIDDEN);
-        let shown = self.shown(list[own].0, list[own].1, bary);
-        let error: f32 = shown.iter().zip(below).map(|(a, b)| (a - b / covered) * (a - b / covered)).sum();
-        [weight * error, weight]
+        list[own + 1..].iter().map(above).product::<f32>().max(HIDDEN)
     }
 
-    /// Lets borders pay for the hard edges that they leave to show, as far as something lies below.
-    fn add_hard_edges(&self, k: u32, plan: &Plan, cuts: &[Option<Box<Cut>>], compared: &mut Comparison) {
-        compared.hard = vec![[[0.0; 2]; RINGS]; CUT_STEPS];
-        let paste = &self.lapped.pastes[k as usize];
-        let mask = &self.masks[paste.patch as usize];
-        let size = Vec2::from(mask.size().map(|s| s as f32));
-        let mut below = Vec::new();
-        for edge in &self.edges[k as usize] {
-            let list = self.lists.of(edge.face);
-            let own = list.partition_point(|&(paste, _)| paste < k);
-            let Some(uv) = list.get(own).filter(|entry| entry.0 == k).map(|entry| &paste.uv[entry.1 as usize]) else { continue };
-            let (from, to) = (usize::from(edge.edge), (usize::from(edge.edge) + 1) % 3);
-            let length = uv[from].distance(uv[to]);
-            let steps = (length * GRID as f32).ceil().max(1.0);
-            // In steps from way to way at the mask's edge, as paths are measured.
-            let part = length / steps * CUT_STEPS as f32 / 4.0;
-            for step in 0..steps as u32 {
-                let t = (step as f32 + 0.5) / steps;
-                let mut bary = Vec3::ZERO;
-                (bary[from], bary[to]) = (1.0 - t, t);
-                let at = uv[from].lerp(uv[to], t);
-                let alpha = mask.alpha(at * size);
-                let [covered, least] = self.below(&list[..own], bary, cuts, &mut below);
-                if alpha < FAINT || least < COVERED {
-                    continue;
-                }
-                let shows = self.difference(list, own, bary, covered, &below).map(|v| v * alpha * part);
-                let (way, out) = Cut::place(at);
-                // Rings are even, so the first whose ramp reaches the edge is found by counting; an uncut way leaves it whole.
-                let reaches = (0..RINGS).take_while(|&ring| distance(ring) + 0.5 * plan.soft <= out).count();
-                for ring in &mut compared.hard[way][reaches.min(plan.end[way].saturating_sub(1))..] {
-                    *ring = [ring[0] + shows[0], ring[1] + shows[1]];
-                }
-            }
-        }
+    /// Squared difference of what a paste shows at a point from what lies below it.
+    fn difference(&self, entry: (u32, u32), bary: Vec3, covered: f32, below: &[f32]) -> f32 {
+        let shown = self.shown(entry.0, entry.1, bary);
+        shown.iter().zip(below).map(|(a, b)| (a - b / covered) * (a - b / covered)).sum()
     }
 
     /// Adds up what the pastes of a list show; returns their alpha together, there and at its least near there.
