@@ -8,6 +8,7 @@
 
 use egui_kittest::Harness;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use lapped::field::Constraint;
 use lapped::job::Link;
 use lapped::job::project::{Direction, Size};
 use lapped::render::gpu::Gpu;
@@ -61,7 +62,9 @@ fn changes(harness: &mut Harness<'_, Option<App>>, drawn: &dyn Fn()) {
         app.set_exemplars(vec![Link::BuiltIn(exemplar.to_owned())]);
         app.set_model(Link::BuiltIn(model.to_owned()));
         settle(harness);
-        for name in ["seed", "scale", "direction"] {
+        harness.state_mut().as_mut().unwrap().edit("comb", |p| p.constraints.constraints.clear());
+        settle(harness);
+        for name in ["seed", "scale", "direction", "stroke"] {
             let mut times = Vec::new();
             *harness.state_mut().as_mut().unwrap().trace_mut() = lapped::viewer::trace::Trace::default();
             for k in 0..TIMES {
@@ -70,9 +73,15 @@ fn changes(harness: &mut Harness<'_, Option<App>>, drawn: &dyn Fn()) {
                 match name {
                     "seed" => app.edit("seed", |p| p.seed = 100 + k as u64),
                     "scale" => app.edit("scale", |p| p.size = Size::Ratio(36.0 + k as f64 * 0.5)),
-                    _ => app.edit("direction", |p| {
+                    "direction" => app.edit("direction", |p| {
                         let angle = 0.1 + 0.2 * k as f64;
                         p.direction = Direction::Up([angle.sin(), angle.cos(), 0.0]);
+                    }),
+                    // What the end of a stroke hands to the project.
+                    _ => app.edit("comb", |p| {
+                        let place =
+                            Constraint { face: Some(500 * k as u32), direction: Some([1.0, 0.5, 0.2]), ..Constraint::default() };
+                        p.constraints.constraints.push(place);
                     }),
                 }
                 settle(harness);
