@@ -44,6 +44,7 @@ pub use seam::CutStatistics;
 pub use statistics::SpreadSummary;
 pub use watch::Growth;
 
+use crate::exemplar::symmetry::exemplar_symmetry;
 use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::Guide;
 use crate::mesh::Mesh;
@@ -405,7 +406,11 @@ pub fn cover(
         work.sort_by_hard_edges();
     }
     if options.hide_hard_edges && options.overlays {
-        statistics.overlays = lay_over_hard_edges(&mut work, options.seed, progress)?;
+        let directed = guide.field().is_some();
+        let same: Vec<bool> =
+            exemplars.par_iter().map(|e| !directed || exemplar_symmetry(e).is_some_and(|found| found.isotropic)).collect();
+        let loose: Vec<bool> = patches.iter().map(|p| same[p.exemplar as usize]).collect();
+        statistics.overlays = lay_over_hard_edges(&mut work, &loose, options.seed, progress)?;
     }
     let Layout { pastes, seedings, edges, totals } = work.finish();
     statistics.pastes_laid = pastes.len();

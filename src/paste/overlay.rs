@@ -1,11 +1,12 @@
 //! Overlays: pastes laid over hard edges that show.
 //!
 //! Sorted by their hard edges, pastes hide most of each other's. What still shows lies mostly at the poles of the field, where every
-//! paste that follows it must end. Nothing is right there, but something whole looks better than shards: a paste laid over the pole that takes the
-//! field's direction at its own seed and is free of it elsewhere. It is kept if it ends in fewer hard edges than it
-//! hides, and goes to where the order by hard edges puts it.
+//! paste that follows it must end. An exemplar that looks the same every way need not follow it: a paste laid over the pole that takes
+//! the field's direction at its own seed and is free of it elsewhere is whole where others are shards. It is kept if it ends in fewer
+//! hard edges than it hides, and goes to where the order by hard edges puts it.
 //!
-//! The paper leaves hard edges to future work (section 6).
+//! Exemplars with a direction keep to the field, hard edges or not: whoever steered it asked for that. The paper leaves hard edges to
+//! future work (section 6).
 //!
 //! 1. Find how much of each hard edge shows.
 //! 2. Draw edges by that, and lay a paste at the middle of each ([`Loop::lay_over`]), one at a place.
@@ -32,12 +33,16 @@ const WORTH: f64 = 0.6;
 /// Edges of which less than this share shows are left alone.
 const SHOWS: f64 = 0.1;
 
-/// Lays pastes over the hard edges that show of pastes sorted by them, and sorts again. Returns how many were laid.
+/// Lays pastes over the hard edges that show of pastes sorted by them, and sorts again. `loose` says of each texture patch whether it
+/// need not follow the field; others are laid over nothing. Returns how many were laid.
 ///
 /// # Errors
 /// If cancelled.
-pub fn lay_over_hard_edges(work: &mut Loop, seed: u64, progress: &dyn Progress) -> Result<usize, PasteError> {
+pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress: &dyn Progress) -> Result<usize, PasteError> {
     let mesh = work.input().mesh;
+    if !loose.contains(&true) {
+        return Ok(0);
+    }
     let mut laid = 0;
     for round in 0..ROUNDS {
         let (patches, pastes, edges) = (work.input().patches, work.pastes(), work.edges());
@@ -59,6 +64,9 @@ pub fn lay_over_hard_edges(work: &mut Loop, seed: u64, progress: &dyn Progress) 
         let points: Vec<SurfacePoint> = points.into_iter().map(|(_, point)| point).collect();
         let masks = work.input().masks;
         let worth = |paste: &Paste, edges: &[HardEdge]| {
+            if !loose[paste.patch as usize] {
+                return false;
+            }
             let size = patches[paste.patch as usize].mask.size();
             let hides = |(slot, &face): (usize, &u32)| match on_face[face as usize] {
                 0.0 => 0.0,

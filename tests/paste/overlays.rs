@@ -21,11 +21,11 @@ fn along_y(mesh: &Mesh) -> Guide {
     Guide::Directed(TangentField::along((0..mesh.face_count() as u32).map(up).collect()))
 }
 
-fn pasted(overlays: bool, cuts: bool) -> (Vec<Seeding>, PasteStatistics) {
+fn pasted(name: &str, overlays: bool, cuts: bool) -> (Vec<Seeding>, PasteStatistics) {
     let mesh = asset("dragonling");
     let options = PasteOptions { overlays, windows: false, cuts, cull: false, ..PasteOptions::default() };
-    let patches = patches("weave", PatchSource::Splotch);
-    let exemplar = assets::exemplar("weave").unwrap();
+    let patches = patches(name, PatchSource::Splotch);
+    let exemplar = assets::exemplar(name).unwrap();
     let covered = cover(&mesh, &along_y(&mesh), vec![exemplar], patches, &[], &options, &Silent).unwrap();
     let (_, seedings, statistics) = covered.finish(&mesh, Finish { windows: false, cuts }, &Silent);
     (seedings, statistics)
@@ -33,8 +33,8 @@ fn pasted(overlays: bool, cuts: bool) -> (Vec<Seeding>, PasteStatistics) {
 
 #[test]
 fn pastes_over_hard_edges_leave_few_to_be_seen_and_take_none_away() {
-    let (mut before, bare) = pasted(false, false);
-    let (mut after, over) = pasted(true, false);
+    let (mut before, bare) = pasted("pebbles", false, false);
+    let (mut after, over) = pasted("pebbles", true, false);
     assert!(bare.visible_hard_edge_length > 0.0 && bare.overlays == 0);
     assert!(
         over.visible_hard_edge_length < 0.6 * bare.visible_hard_edge_length,
@@ -53,12 +53,20 @@ fn pastes_over_hard_edges_leave_few_to_be_seen_and_take_none_away() {
 
 #[test]
 fn borders_are_cut_before_hard_edges_where_something_lies_below() {
-    let (_, whole) = pasted(true, false);
-    let (_, cut) = pasted(true, true);
+    let (_, whole) = pasted("pebbles", true, false);
+    let (_, cut) = pasted("pebbles", true, true);
     assert!(
         cut.visible_hard_edge_length < 0.9 * whole.visible_hard_edge_length,
         "{} of {} still shows",
         cut.visible_hard_edge_length,
         whole.visible_hard_edge_length
     );
+}
+
+#[test]
+fn exemplars_with_a_direction_keep_to_the_field() {
+    let (before, bare) = pasted("scales", false, false);
+    let (after, over) = pasted("scales", true, false);
+    assert!(bare.visible_hard_edge_length > 0.0, "there is something to be laid over");
+    assert_eq!((over.overlays, after), (0, before));
 }
