@@ -105,11 +105,14 @@ impl Cut {
         (at.way.round() as usize % CUT_STEPS, at.distance)
     }
 
-    /// Cuts nothing away any more around a point of the mask (0 to 1), on so many ways to both sides.
-    pub fn mend(&mut self, uv: Vec2, aside: usize) {
-        let way = Self::place(uv).0 + CUT_STEPS;
-        (way - aside..=way + aside).for_each(|way| self.steps[way % CUT_STEPS][0] = BEYOND);
-        *self = Self::from_steps(self.steps);
+    /// Cuts nothing away any more at all points no further than `reach` from one, as [`bounds`](Self::bounds) takes it. Returns whether
+    /// it did.
+    pub fn mend(&mut self, uv: Vec2, reach: f32) -> bool {
+        let mut steps = self.steps;
+        ways_within(&Polar::new(uv), reach, |way| steps[way][0] = BEYOND);
+        let changed = steps != self.steps;
+        *self = Self::from_steps(steps);
+        changed
     }
 
     /// True if it cuts nothing away.
@@ -148,32 +151,37 @@ impl Cut {
     #[must_use]
     pub fn bounds(&self, uv: Vec2, reach: f32, blur: f32) -> [f32; 2] {
         let at = Polar::new(uv);
-        let reach = 2.0 * reach;
-        let inner = at.distance - reach;
+        let inner = at.distance - 2.0 * reach;
         let mut low = [f32::INFINITY; 2];
         let mut high = [0.0_f32; 2];
-        let mut take = |way: usize| {
+        ways_within(&at, reach, |way| {
             let [distance, width] = self.step(way);
             low = [low[0].min(distance), low[1].min(width)];
             high = [high[0].max(distance), high[1].max(width.max(blur))];
-        };
-        // A step aside by `reach` moves the way by no more than this.
-        let aside = if inner > 0.0 { SIDE * reach / inner } else { f32::INFINITY };
-        if aside >= 2.0 * SIDE {
-            (0..CUT_STEPS).for_each(&mut take);
-        } else {
-            let from = (at.way - aside).floor() as i64;
-            let to = (at.way + aside).floor() as i64 + 1;
-            (from..=to).for_each(|way| take(way.rem_euclid(CUT_STEPS as i64) as usize));
-        }
+        });
         // A ramp is steeper, so further from one half, where it is narrow.
         let ramp = |ahead: f32, narrow: f32, wide: f32| {
             let width = if ahead >= 0.0 { wide } else { narrow };
             (ahead / width + 0.5).clamp(0.0, 1.0)
         };
-        let least = ramp(low[0] - at.distance - reach, low[1], high[1]);
+        let least = ramp(low[0] - at.distance - 2.0 * reach, low[1], high[1]);
         let most = ramp(high[0] - inner.max(0.0), high[1], low[1]);
         [least, most]
+    }
+}
+
+/// Names all ways that matter to points no further than `reach` from one, both over the mask.
+fn ways_within(at: &Polar, reach: f32, mut name: impl FnMut(usize)) {
+    let reach = 2.0 * reach;
+    let inner = at.distance - reach;
+    // A step aside by `reach` moves the way by no more than this.
+    let aside = if inner > 0.0 { SIDE * reach / inner } else { f32::INFINITY };
+    if aside >= 2.0 * SIDE {
+        (0..CUT_STEPS).for_each(name);
+    } else {
+        let from = (at.way - aside).floor() as i64;
+        let to = (at.way + aside).floor() as i64 + 1;
+        (from..=to).for_each(|way| name(way.rem_euclid(CUT_STEPS as i64) as usize));
     }
 }
 
@@ -243,6 +251,9 @@ mod tests {
                 let aside = Vec2::new(random.range(-1.0, 1.0) as f32, random.range(-1.0, 1.0) as f32) * reach;
                 let alpha = cut.alpha(uv + aside, blur);
                 assert!((least - 1e-4..=most + 1e-4).contains(&alpha), "{alpha} is not within {least} and {most}");
+                let mut mended = cut;
+                mended.mend(uv, reach);
+                assert_eq!(mended.alpha(uv + aside, blur), 1.0, "mended around {uv}");
             }
         }
     }

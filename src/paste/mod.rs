@@ -4,8 +4,8 @@
 //!
 //! One paste goes through [`grow`] (a disc of faces over the texture patch), [`fit`] (aligned with the field),
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
-//! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not, [`window`] chooses what each of them shows and [`seam`] where it
-//! ends, and what nobody can see is dropped. The result is a
+//! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not, [`window`]
+//! chooses what each of them shows and [`seam`] where it ends, and what nobody can see is dropped. The result is a
 //! [`LappedTexture`]; [`Composite`] shows it. [`draft`](mod@draft) shows at once what a change will bring.
 
 pub mod audit;
@@ -54,10 +54,10 @@ use frame::singular_values;
 use glam::DMat2;
 use grow::PatchPlan;
 use layout::{Layout, LayoutInput, Loop};
-use order::{HardEdge, Seen, permute};
+use order::{HardEdge, permute};
 use overlay::lay_over_hard_edges;
 use rayon::prelude::*;
-use seam::{choose_cuts, mend_holes};
+use seam::{choose_cuts, see_without_holes};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -450,13 +450,8 @@ impl Covered {
             statistics.cuts = choose_cuts(mesh, &mut lapped, &masks, &edges);
         }
         let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
-        let mut seen = Seen::new(&lapped.pastes);
-        let all: Vec<u32> = (0..mesh.face_count() as u32).collect();
-        seen.look(mesh, &lapped, &lists, &masks, &pitch, cull, &all);
-        let (whole, mended) = mend_holes(&mut lapped, &lists, &masks, &seen.holes);
+        let (seen, whole) = see_without_holes(mesh, &mut lapped, &lists, &masks, &pitch, cull);
         statistics.cuts.given_up = whole;
-        // What was cut away and is shown again must be kept.
-        seen.look(mesh, &lapped, &lists, &masks, &pitch, cull, &mended);
         let left = order::cull(&mut lapped, &seen);
         edges = permute(edges, &left);
         seedings = permute(seedings, &left);

@@ -167,11 +167,13 @@ impl Seen {
                 let seen = lay(&mut tile, &lattice, entry);
                 keep[first + i] = if occluded { seen } else { lay(&mut Tile::Bare, &lattice, entry) };
             }
-            if let Tile::Partial(samples) = &tile
-                && list.iter().any(|e| lapped.pastes[e.0 as usize].cut.is_some())
-            {
-                let open = (0..samples.len()).filter(|&k| samples[k] > 0);
-                holes.extend(open.map(|sample| SurfacePoint { face, bary: lattice.point(sample) }));
+            if list.iter().any(|e| lapped.pastes[e.0 as usize].cut.is_some()) {
+                let mut open = |sample| holes.push(SurfacePoint { face, bary: lattice.point(sample) });
+                match &tile {
+                    Tile::Opaque => (),
+                    Tile::Partial(samples) => (0..samples.len()).filter(|&k| samples[k] > 0).for_each(open),
+                    Tile::Bare => (0..lattice.cells()).for_each(&mut open),
+                }
             }
         };
         let parts: Vec<(Vec<bool>, Vec<SurfacePoint>)> = faces

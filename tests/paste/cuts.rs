@@ -2,13 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-use crate::common::{input, sheet};
+use crate::common::{Points, input, sheet};
 use glam::Vec3;
-use lapped::exemplar::{Exemplar, Image, PatchSource};
+use lapped::exemplar::{CoverageMask, Exemplar, Image, PatchSource};
 use lapped::job::{ExemplarInput, PasteJob, Pasted, Scale, paste_model};
-use lapped::mesh::SurfacePoint;
 use lapped::paste::audit::LEAST_ALPHA;
-use lapped::paste::{Composite, PasteOptions};
+use lapped::paste::order::cull;
+use lapped::paste::seam::see_without_holes;
+use lapped::paste::{Composite, Cut, FaceLists, LappedTexture, PasteOptions};
 use lapped::progress::Silent;
 use lapped::random::Random;
 
@@ -51,13 +52,9 @@ fn nothing_is_cut_away_that_nobody_else_covers() {
     let made = on_a_sheet(of(stones()), true, true);
     let mesh = &made.mesh;
     let composite = Composite::new(mesh, &made.lapped);
-    let mut random = Random::new(12, 0);
-    for _ in 0..200_000 {
-        let face = random.below(mesh.face_count() as u64) as u32;
-        let (a, b) = (random.unit() as f32, random.unit() as f32);
-        let (a, b) = if a + b > 1.0 { (1.0 - a, 1.0 - b) } else { (a, b) };
-        let alpha = composite.alpha(SurfacePoint { face, bary: Vec3::new(1.0 - a - b, a, b) });
-        assert!(alpha >= LEAST_ALPHA, "face {face}, {a} {b}: alpha {alpha}");
+    for at in Points::new(mesh).list(200_000) {
+        let alpha = composite.alpha(at);
+        assert!(alpha >= LEAST_ALPHA, "{at:?}: alpha {alpha}");
     }
     assert!(made.lapped.pastes.iter().any(|p| p.cut.is_some()), "some are cut");
 }
@@ -68,4 +65,26 @@ fn masks_that_follow_the_exemplar_are_left_whole() {
     let source = PatchSource::Mask { name: "disc".to_owned(), image: disc };
     let made = on_a_sheet(ExemplarInput { exemplar: stones(), ..input("bricks", &[source]) }, true, true);
     assert!(made.lapped.pastes.iter().all(|p| p.cut.is_none()), "they are the outline that was asked for");
+}
+
+#[test]
+fn cuts_that_leave_whole_faces_bare_are_taken_back_until_nothing_shows_through() {
+    let plain = on_a_sheet(of(stones()), true, false);
+    let (mesh, mut lapped) = (&plain.mesh, plain.lapped);
+    // Nothing but a spot in the middle of each is left.
+    lapped.pastes.iter_mut().for_each(|p| p.cut = Some(Box::new(Cut::new(|_| Some([0.05, 0.01])))));
+    let masks: Vec<CoverageMask> = lapped.patches.iter().map(CoverageMask::new).collect();
+    let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
+    let least = |lapped: &LappedTexture| {
+        let composite = Composite::new(mesh, lapped);
+        Points::new(mesh).list(50_000).into_iter().map(|at| composite.alpha(at)).fold(1.0, f32::min)
+    };
+    assert_eq!(least(&lapped), 0.0, "before that most of the sheet is bare");
+    let pitch = |_: u32| 0.5 / 64.0;
+    let (seen, whole) = see_without_holes(mesh, &mut lapped, &lists, &masks, &pitch, true);
+    assert!(seen.holes.is_empty(), "{} samples are still open", seen.holes.len());
+    assert!(least(&lapped) >= LEAST_ALPHA, "least alpha {}", least(&lapped));
+    assert!(whole > 0, "some pastes are needed whole");
+    cull(&mut lapped, &seen);
+    assert!(least(&lapped) >= LEAST_ALPHA, "least alpha {} of what is kept", least(&lapped));
 }

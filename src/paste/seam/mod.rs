@@ -15,12 +15,16 @@
 //!    for more than a soft one; so a paste with hard edges is cut before them, softly, wherever something lies below. A border that
 //!    would uncover a hard edge of another paste pays as well ([`hard`]).
 //! 5. A path that is not clearly better than the mask's own border is given up.
+//! 6. Where coverage finds a hole all the same, cuts are taken back ([`see_without_holes`]).
 //!
 //! Colours and all other channels count as [`crate::exemplar::stack`] weighs them. Only patches whose content may slide are cut:
 //! other masks follow the exemplar.
 
 mod hard;
+mod mend;
 mod path;
+
+pub use mend::see_without_holes;
 
 use super::composite::paste_alpha;
 use super::cut::{CUT_STEPS, Cut};
@@ -30,7 +34,7 @@ use super::order::{HardEdge, shown_edges};
 use super::stencil::Stencil;
 use super::window::waves;
 use crate::exemplar::{ChannelSet, CoverageMask, Exemplar, TexturePatch};
-use crate::mesh::{Mesh, SurfacePoint};
+use crate::mesh::Mesh;
 use glam::{Vec2, Vec3};
 use hard::EdgesByFace;
 use path::shortest;
@@ -64,10 +68,6 @@ const NEAR: f32 = 1.5;
 /// Borders keep so many cells away from those that are not covered: half a cell, half the width over which alpha falls, and
 /// what coverage looks around itself.
 const MARGIN: f32 = 2.0;
-/// Ways to both sides of a hole that are uncut, of pastes that reach it within so many pixels: the middle of a sample's cell may lie
-/// off the mask where the cell does not.
-const MENDED: usize = 2;
-const AROUND: f32 = 4.0;
 /// A path must cost less than this share of what the mask's own border costs.
 const WORTH: f32 = 0.9;
 /// Width over which alpha falls along a cut, 1 being half a mask, and at least so many pixels: the usual feather.
@@ -192,42 +192,6 @@ pub fn choose_cuts(mesh: &Mesh, lapped: &mut LappedTexture, masks: &[CoverageMas
     (statistics.border_before, statistics.border_after) = (rms(sums[1]), rms(sums[2]));
     statistics.seconds = begin.elapsed().as_secs_f64();
     statistics
-}
-
-/// Takes cuts back around samples that are not covered with them; that uncovers nothing else. Returns how many pastes are whole again,
-/// and the faces of all that were mended, in order.
-pub fn mend_holes(
-    lapped: &mut LappedTexture,
-    lists: &FaceLists,
-    masks: &[CoverageMask],
-    holes: &[SurfacePoint],
-) -> (usize, Vec<u32>) {
-    let mut mended = vec![false; lapped.pastes.len()];
-    for hole in holes {
-        for &(number, slot) in lists.of(hole.face) {
-            let paste = &mut lapped.pastes[number as usize];
-            let [a, b, c] = paste.uv[slot as usize];
-            let uv = a * hole.bary.x + b * hole.bary.y + c * hole.bary.z;
-            let mask = &masks[paste.patch as usize];
-            let reaches = mask.touches(uv * Vec2::from(mask.size().map(|s| s as f32)), AROUND);
-            if let Some(cut) = paste.cut.as_mut().filter(|_| reaches) {
-                cut.mend(uv, MENDED);
-                mended[number as usize] = true;
-            }
-        }
-    }
-    let mut whole = 0;
-    let mut faces = Vec::new();
-    for (paste, _) in lapped.pastes.iter_mut().zip(mended).filter(|(_, mended)| *mended) {
-        faces.extend_from_slice(&paste.faces);
-        if paste.cut.as_deref().is_some_and(Cut::is_whole) {
-            paste.cut = None;
-            whole += 1;
-        }
-    }
-    faces.sort_unstable();
-    faces.dedup();
-    (whole, faces)
 }
 
 impl Matcher<'_> {
