@@ -34,6 +34,9 @@ pub struct ChannelArgs {
     /// Which way green points in normal maps: up (opengl) or down (directx); auto goes by the file's name, then by its slopes
     #[arg(long, value_enum, value_name = "WAY", default_value_t = ConventionArg::Auto)]
     pub normal_convention: ConventionArg,
+    /// Take slow changes of light out of each exemplar's colour, as of a photograph that is lit from one side
+    #[arg(long)]
+    pub equalize: bool,
 }
 
 /// Names of [`NormalConvention`].
@@ -72,6 +75,6 @@ impl ChannelArgs {
             ConventionArg::Opengl => Some(NormalConvention::OpenGl),
             ConventionArg::Directx => Some(NormalConvention::DirectX),
         };
-        ExemplarOptions { channels: self.files(), alone, normal, ..ExemplarOptions::default() }
+        ExemplarOptions { channels: self.files(), alone, normal, equalize: self.equalize, ..ExemplarOptions::default() }
     }
 }

@@ -37,9 +37,9 @@ Examples:
   Many meshes and exemplars from a file; what is finished is kept when it is run again (docs/comparison.md):
       lapped compare --job assets.toml -o compared
 
-Methods: pasted (at run time), baked (the same in an atlas), wei-levoy, chen-dong, triplanar, hex (hexagons on triplanar planes),
-tiling (over automatic charts). All get the same mesh, the same pixels, the same size and the same direction, and are measured on
-the surface in the same way. docs/comparison.md says what each number means.
+Methods: pasted (at run time), plain (as the paper has it), baked (pasted, in an atlas), wei-levoy, chen-dong, triplanar, hex
+(hexagons on triplanar planes), tiling (over automatic charts). All get the same mesh, the same pixels, the same size and the same
+direction, and are measured on the surface in the same way. docs/comparison.md says what each number means.
 
 Synthesis takes a vertex for each pixel on the surface: --ratio times the pixels of the exemplar. With the defaults that is about 330
 thousand; --exemplar-size 64 makes it a quarter.")]
@@ -65,13 +65,13 @@ pub struct CompareArgs {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_CELL: [&str; 12] =
-    ["mesh", "exemplars", "methods", "scale", "ratio", "up", "field", "exemplar_size", "weld", "seed", "cameras", "size"];
+const OF_A_CELL: [&str; 13] =
+    ["mesh", "exemplars", "methods", "scale", "ratio", "up", "field", "exemplar_size", "weld", "seed", "cameras", "size", "blind"];
 
 /// What one comparison is told.
 #[derive(Debug, Clone, Args)]
 pub struct CellArgs {
-    /// Methods to compare, of: pasted, baked, wei-levoy, chen-dong, triplanar, hex, tiling [default: all]
+    /// Methods to compare, of: pasted, plain, baked, wei-levoy, chen-dong, triplanar, hex, tiling [default: all but plain]
     #[arg(long, value_name = "M,M,...", value_delimiter = ',', help_heading = "Method")]
     pub methods: Vec<Method>,
     /// World length of one exemplar width
@@ -102,6 +102,10 @@ pub struct CellArgs {
     /// Size of each picture in pixels
     #[arg(long, value_name = "WxH", default_value_t = Size([512, 512]), help_heading = "Pictures")]
     pub size: Size,
+    /// Also make a sheet of N crops around borders of each method, mixed with N of the exemplar: tell them apart, then look into
+    /// report.json
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1000), help_heading = "Pictures")]
+    pub blind: u32,
 }
 
 impl CellArgs {
@@ -146,6 +150,7 @@ impl CellArgs {
             },
             views,
             size: self.size.0,
+            blind: self.blind,
         };
         Ok(CellJob {
             name: name.to_owned(),
@@ -186,6 +191,9 @@ impl CellArgs {
             flag("camera", format!("yaw={yaw},pitch={pitch},zoom={}", camera.zoom));
         }
         flag("size", self.size.to_string());
+        if self.blind > 0 {
+            flag("blind", self.blind.to_string());
+        }
         words.iter().map(|w| quoted(w)).collect::<Vec<_>>().join(" ")
     }
 }

@@ -119,7 +119,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 33] = [
+const OF_A_REGION: [&str; 35] = [
     "exemplars",
     "scale",
     "ratio",
@@ -133,6 +133,7 @@ const OF_A_REGION: [&str; 33] = [
     "no_windows",
     "no_cuts",
     "no_overlays",
+    "no_prune",
     "splotches",
     "weights",
     "color_only",
@@ -144,6 +145,7 @@ const OF_A_REGION: [&str; 33] = [
     "emissive",
     "opacity",
     "normal_convention",
+    "equalize",
     "seed",
     "distortion",
     "predictor",
@@ -328,6 +330,7 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
         "windows": !args.region.plain && !args.region.no_windows,
         "cuts": !args.region.plain && !args.region.no_cuts,
         "overlays": !args.region.plain && !args.region.no_overlays,
+        "prune": !args.region.plain && !args.region.no_prune,
         "regions": pasted.report.regions.iter().map(|r| &r.name).collect::<Vec<_>>(),
         "pastes": pasted.report.paste.pastes,
         "drawsPerFace": pasted.report.paste.draws_per_face,

@@ -57,6 +57,9 @@ pub struct RegionArgs {
     /// Lay no pastes over hard edges that show
     #[arg(long, help_heading = "Texture patches")]
     pub no_overlays: bool,
+    /// Keep pastes that the others make needless
+    #[arg(long, help_heading = "Texture patches")]
+    pub no_prune: bool,
     /// Different splotches per exemplar
     #[arg(long, value_name = "N", default_value_t = 3, help_heading = "Texture patches")]
     pub splotches: u32,
@@ -193,34 +196,36 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
         }
         None => Scale::Ratio(args.ratio),
     };
+    let paste = PasteOptions {
+        seed: args.seed,
+        distortion: args.distortion,
+        predictor: match args.predictor {
+            PredictorArg::Field => Predictor::Field,
+            PredictorArg::Maillot => Predictor::SimilarTriangles,
+        },
+        weights: match args.fit_weights {
+            WeightsArg::Area => Weights::Area,
+            WeightsArg::Uniform => Weights::Uniform,
+        },
+        isotropic_fit: match args.isotropic_fit {
+            IsotropicArg::Propagated => IsotropicFit::Propagated,
+            IsotropicArg::Rotations => IsotropicFit::default(),
+            IsotropicArg::Conformal => IsotropicFit::Conformal,
+        },
+        hide_hard_edges: !args.no_sort,
+        overlays: !args.no_overlays,
+        prune: !args.no_prune,
+        cull: !args.no_cull,
+        windows: !args.no_windows,
+        cuts: !args.no_cuts,
+        ..PasteOptions::default()
+    };
     Ok(PasteJob {
         scale,
         keep_faces: args.keep_faces,
         feather: args.feather,
         patches: PatchOptions { seed: args.seed, splotches: args.splotches, ..PatchOptions::default() },
-        paste: PasteOptions {
-            seed: args.seed,
-            distortion: args.distortion,
-            predictor: match args.predictor {
-                PredictorArg::Field => Predictor::Field,
-                PredictorArg::Maillot => Predictor::SimilarTriangles,
-            },
-            weights: match args.fit_weights {
-                WeightsArg::Area => Weights::Area,
-                WeightsArg::Uniform => Weights::Uniform,
-            },
-            isotropic_fit: match args.isotropic_fit {
-                IsotropicArg::Propagated => IsotropicFit::Propagated,
-                IsotropicArg::Rotations => IsotropicFit::default(),
-                IsotropicArg::Conformal => IsotropicFit::Conformal,
-            },
-            hide_hard_edges: !args.no_sort,
-            overlays: !args.plain && !args.no_overlays,
-            cull: !args.no_cull,
-            windows: !args.plain && !args.no_windows,
-            cuts: !args.plain && !args.no_cuts,
-            ..PasteOptions::default()
-        },
+        paste: if args.plain { paste.plain() } else { paste },
         ..PasteJob::default()
     })
 }

@@ -7,6 +7,7 @@
 //!    measures found are looked at closely.
 
 use super::CompareError;
+use super::blind::{Blind, BlindKey, blind};
 use super::make::{Costs, Made, Maker};
 use super::measures::{
     Border, ErrorMap, Extreme, Mapped, Mapping, Measured, Placed, Reference, SeamVisibility, breaks, chart_borders, mapping,
@@ -43,15 +44,18 @@ pub struct CompareJob {
     pub views: Vec<View>,
     /// Width and height of a picture, pixels.
     pub size: [u32; 2],
+    /// Crops around borders for a blind look, and as many of the exemplar; 0 for none.
+    pub blind: u32,
 }
 
 impl Default for CompareJob {
     fn default() -> Self {
         Self {
-            methods: Method::ALL.to_vec(),
+            methods: Method::USUAL.to_vec(),
             setting: SettingOptions::default(),
             views: [(30.0, 18.0), (205.0, 18.0)].map(|(yaw, pitch)| View::degrees(yaw, pitch)).to_vec(),
             size: [512, 512],
+            blind: 0,
         }
     }
 }
@@ -170,6 +174,8 @@ pub struct MethodReport {
     pub pictures: Vec<ViewPictures>,
     /// Its worst places.
     pub worst: Vec<Worst>,
+    /// The picture of a blind look, by name, and which of its crops are of the surface.
+    pub blind: Option<(String, BlindKey)>,
 }
 
 /// All that was found.
@@ -226,7 +232,7 @@ pub fn compare(model: &Model, exemplar: &Exemplar, job: &CompareJob, progress: &
 
 fn empty(method: Method, failed: Option<String>) -> MethodReport {
     let (label, says) = (method.label(), method.says());
-    MethodReport { method, label, says, failed, figures: None, pictures: Vec::new(), worst: Vec::new() }
+    MethodReport { method, label, says, failed, figures: None, pictures: Vec::new(), worst: Vec::new(), blind: None }
 }
 
 /// What the methods of one cell are looked at with.
@@ -319,11 +325,18 @@ impl<'a> Cell<'a> {
         let fidelity = self.reference.measure(&placed, seed);
         let (mapping, extremes) = mapping(&mapped, seed);
         let errors = self.reference.known().map(|known| ErrorMap::new(&placed, known, seed));
-        let (seams, worst_seam) = self.seams(home, &breaks(&mapped, seed));
+        let borders = breaks(&mapped, seed);
+        let (seams, worst_seam) = self.seams(home, &borders);
         let charts = made.product.charts().map(|atlas| self.seams(home, &chart_borders(mesh, atlas, BORDER_STEP * plane.pixel)));
         let mut out = empty(made.method, None);
         out.figures = Some(Figures { fidelity, mapping, seams, chart_seams: charts.as_ref().map(|c| c.0), costs: made.costs });
         let key = made.method.key();
+        if let Some(Blind { sheet, key: answers }) = blind(&placed, &borders, &self.setting.exemplar, self.job.blind as usize, seed)
+        {
+            let name = format!("{key}-blind");
+            pictures.push(Named { name: name.clone(), picture: sheet });
+            out.blind = Some((name, answers));
+        }
         let source = made.product.source(self.setting);
         let source = source.as_ref();
         for (i, (seen, coarse)) in self.seen.iter().enumerate() {

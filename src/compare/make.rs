@@ -10,9 +10,11 @@ use crate::exemplar::{Exemplar, MipChain, Wrap};
 use crate::job::bake::{default_samples, default_size};
 use crate::job::estimate::{forget_peak, held_memory, peak_memory};
 use crate::job::paste::difficulty;
-use crate::job::{Density, Direction, ExemplarInput, RoundJob, SynthJob, cut_patches, march, synthesize_marched, synthesize_on};
+use crate::job::{
+    Density, Direction, ExemplarInput, PasteJob, RoundJob, SynthJob, cut_patches, march, synthesize_marched, synthesize_on,
+};
 use crate::mesh::Mesh;
-use crate::paste::{Composite, LappedTexture, paste};
+use crate::paste::{Composite, LappedTexture, PasteOptions, paste};
 use crate::progress::Progress;
 use crate::render::normals::{corner_normals, crease_angle};
 use crate::synth::round::RoundOptions;
@@ -108,6 +110,7 @@ impl<'a> Maker<'a> {
         let shared = self.pasted.as_ref().map_or(0.0, |p| p.1);
         let product = match method {
             Method::Pasted => Product::Pasted(self.pasted(progress)?),
+            Method::Plain => Product::Pasted(Arc::new(self.lap(self.setting.job.paste.clone().plain(), progress)?)),
             Method::Baked => {
                 let lapped = self.pasted(progress)?;
                 let (atlas, pages) = self.baked(&lapped, progress)?;
@@ -131,13 +134,18 @@ impl<'a> Maker<'a> {
             return Ok(Arc::clone(lapped));
         }
         let begin = Instant::now();
+        let lapped = Arc::new(self.lap(self.setting.job.paste.clone(), progress)?);
+        self.pasted = Some((Arc::clone(&lapped), begin.elapsed().as_secs_f64()));
+        Ok(lapped)
+    }
+
+    fn lap(&self, options: PasteOptions, progress: &dyn Progress) -> Result<LappedTexture, CompareError> {
         let Setting { job, guide, exemplar, .. } = self.setting;
+        let job = PasteJob { paste: options, ..job.clone() };
         let mesh = self.setting.mesh();
         let input = ExemplarInput { exemplar: exemplar.clone(), weight: 1.0, patches: Vec::new() };
-        let (exemplars, patches) = cut_patches(vec![input], job, &mut Vec::new())?;
+        let (exemplars, patches) = cut_patches(vec![input], &job, &mut Vec::new())?;
         let (lapped, _) = paste(mesh, guide, exemplars, patches, &difficulty(mesh, guide), &job.paste, progress)?;
-        let lapped = Arc::new(lapped);
-        self.pasted = Some((Arc::clone(&lapped), begin.elapsed().as_secs_f64()));
         Ok(lapped)
     }
 

@@ -8,7 +8,9 @@ use std::str::FromStr;
 pub enum Method {
     /// Lapped pastes composited at run time.
     Pasted,
-    /// The same pastes baked into an atlas.
+    /// The same as the paper has it: no windows, cuts, overlays and pruning.
+    Plain,
+    /// The first's pastes baked into an atlas.
     Baked,
     /// Synthesis after Wei and Levoy, with the fast search.
     WeiLevoy,
@@ -24,7 +26,11 @@ pub enum Method {
 
 impl Method {
     /// All of them, in the order they are shown.
-    pub const ALL: [Self; 7] =
+    pub const ALL: [Self; 8] =
+        [Self::Pasted, Self::Plain, Self::Baked, Self::WeiLevoy, Self::ChenDong, Self::Triplanar, Self::Hex, Self::Tiling];
+
+    /// Those that are compared if nobody says which.
+    pub const USUAL: [Self; 7] =
         [Self::Pasted, Self::Baked, Self::WeiLevoy, Self::ChenDong, Self::Triplanar, Self::Hex, Self::Tiling];
 
     /// Its name at the command line, in reports and in files.
@@ -32,6 +38,7 @@ impl Method {
     pub const fn key(self) -> &'static str {
         match self {
             Self::Pasted => "pasted",
+            Self::Plain => "plain",
             Self::Baked => "baked",
             Self::WeiLevoy => "wei-levoy",
             Self::ChenDong => "chen-dong",
@@ -46,6 +53,7 @@ impl Method {
     pub const fn label(self) -> &'static str {
         match self {
             Self::Pasted => "Pasted, run time",
+            Self::Plain => "Pasted, plain",
             Self::Baked => "Pasted, baked",
             Self::WeiLevoy => "Wei & Levoy",
             Self::ChenDong => "Chen & Dong",
@@ -63,7 +71,8 @@ impl Method {
                 "Overlapping, soft-edged pastes of the exemplar along the field, composited as the picture is drawn \
                  (Praun, Finkelstein, Hoppe 2000)."
             }
-            Self::Baked => "The same pastes, resampled into one atlas over automatic charts.",
+            Self::Plain => "The paper's own pastes: nothing is done about their borders but their soft edges and sorting.",
+            Self::Baked => "The first's pastes, resampled into one atlas over automatic charts.",
             Self::WeiLevoy => {
                 "Every vertex of an evenly re-tiled mesh takes the place of the exemplar whose neighbourhood fits best \
                  (Wei, Levoy 2001; our fast search)."

@@ -4,6 +4,7 @@
 //! found, and [`many`] does that for many meshes and exemplars. [`measures`] and [`baselines`] are of use alone.
 
 pub mod baselines;
+pub mod blind;
 pub mod cell;
 pub mod make;
 pub mod many;

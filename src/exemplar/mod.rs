@@ -5,6 +5,7 @@
 mod collapse;
 mod coverage_mask;
 pub mod distance;
+mod equalize;
 pub mod extend;
 pub mod hull;
 pub mod image;
@@ -19,6 +20,7 @@ pub mod symmetry;
 mod untangle;
 
 pub use coverage_mask::ERODED_RADII;
+pub use equalize::{Evened, equalize};
 pub use hull::Hull;
 pub use image::{Image, MipChain};
 pub use mask::CoverageMask;

@@ -296,6 +296,7 @@ impl Project {
     /// The job that the project asks for; `first` is its first exemplar, which decides where the direction is left to it.
     #[must_use]
     pub fn job(&self, first: Option<&Exemplar>) -> PasteJob {
+        let paste = PasteOptions { seed: self.seed, distortion: self.distortion, ..PasteOptions::default() };
         PasteJob {
             scale: match self.size {
                 Size::Ratio(ratio) => Scale::Ratio(ratio),
@@ -305,14 +306,7 @@ impl Project {
             keep_faces: self.keep_faces,
             feather: self.feather,
             patches: PatchOptions { seed: self.seed, splotches: self.splotches, ..PatchOptions::default() },
-            paste: PasteOptions {
-                seed: self.seed,
-                distortion: self.distortion,
-                overlays: self.windows,
-                windows: self.windows,
-                cuts: self.windows,
-                ..PasteOptions::default()
-            },
+            paste: if self.windows { paste } else { paste.plain() },
             ..PasteJob::default()
         }
     }

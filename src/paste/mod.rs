@@ -4,8 +4,9 @@
 //!
 //! One paste goes through [`grow`] (a disc of faces over the texture patch), [`fit`] (aligned with the field),
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
-//! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not, [`window`]
-//! chooses what each of them shows and [`seam`] where it ends, and what nobody can see is dropped. The result is a
+//! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not,
+//! [`prune`](mod@prune) leaves out those that the others make needless, [`window`] chooses what each of them shows and
+//! [`seam`] where it ends, and what nobody can see is dropped. The result is a
 //! [`LappedTexture`]; [`Composite`] shows it. [`draft`](mod@draft) shows at once what a change will bring.
 
 pub mod audit;
@@ -24,6 +25,7 @@ pub mod layout;
 mod levels;
 pub mod order;
 pub mod overlay;
+pub mod prune;
 mod relief;
 pub mod seam;
 pub mod seed;
@@ -56,6 +58,7 @@ use grow::PatchPlan;
 use layout::{Layout, LayoutInput, Loop};
 use order::{HardEdge, permute};
 use overlay::lay_over_hard_edges;
+use prune::prune;
 use rayon::prelude::*;
 use seam::{choose_cuts, see_without_holes};
 use serde::Serialize;
@@ -108,6 +111,8 @@ pub struct PasteOptions {
     pub hide_hard_edges: bool,
     /// Lay pastes over hard edges that show ([`overlay`]), if they are hidden at all.
     pub overlays: bool,
+    /// Leave out pastes that the others make needless ([`prune`](mod@prune)).
+    pub prune: bool,
     /// Remove faces that later pastes hide.
     pub cull: bool,
     /// Let each paste show the part of its exemplar that agrees best with what lies around it ([`window`]).
@@ -130,6 +135,7 @@ impl Default for PasteOptions {
             isotropic_fit: IsotropicFit::default(),
             hide_hard_edges: true,
             overlays: true,
+            prune: true,
             cull: true,
             windows: true,
             cuts: true,
@@ -140,6 +146,12 @@ impl Default for PasteOptions {
 }
 
 impl PasteOptions {
+    /// With nothing that the paper does not have, sorting apart: no windows, cuts, overlays and pruning.
+    #[must_use]
+    pub fn plain(self) -> Self {
+        Self { overlays: false, prune: false, windows: false, cuts: false, ..self }
+    }
+
     /// The distortion bound that holds for a guide, and for pastes that are free of its direction.
     #[must_use]
     pub fn distortion_for(&self, guide: &Guide, free: bool) -> f64 {
@@ -229,7 +241,7 @@ const MAX_SCALE: f64 = 1e4;
 pub struct PasteStatistics {
     /// Pastes in the record.
     pub pastes: usize,
-    /// Pastes laid; the difference was hidden completely.
+    /// Pastes laid; the difference was pruned or hidden completely.
     pub pastes_laid: usize,
     /// Faces of all surface patches together, as grown.
     pub grown_faces: u64,
@@ -255,6 +267,8 @@ pub struct PasteStatistics {
     pub repairs: usize,
     /// Pastes laid over hard edges that showed.
     pub overlays: usize,
+    /// Pastes left out because the others cover all they did.
+    pub pruned: usize,
     /// Pastes with a hard edge.
     pub pastes_with_hard_edges: u64,
     /// World length of all hard edges, weighted by alpha.
@@ -398,6 +412,7 @@ pub fn cover(
         statistics.repairs += found.holes.len();
         work.patch_up(&found.holes)?;
     }
+    let repairs = (work.pastes().len() - statistics.repairs) as u32..work.pastes().len() as u32;
     statistics.seconds.audit = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -412,8 +427,13 @@ pub fn cover(
         let loose: Vec<bool> = patches.iter().map(|p| same[p.exemplar as usize]).collect();
         statistics.overlays = lay_over_hard_edges(&mut work, &loose, options.seed, progress)?;
     }
-    let Layout { pastes, seedings, edges, totals } = work.finish();
-    statistics.pastes_laid = pastes.len();
+    let input = *work.input();
+    let mut layout = work.finish();
+    statistics.pastes_laid = layout.pastes.len();
+    if options.prune {
+        statistics.pruned = prune(&input, &mut layout, repairs);
+    }
+    let Layout { pastes, seedings, edges, totals } = layout;
     statistics.draws_before_cull = draws(mesh, &pastes).0;
     statistics.grown_faces = totals.grown_faces;
     statistics.iterations_per_fit = totals.iterations as f64 / (statistics.pastes_laid as f64 + totals.regrowths as f64);

@@ -30,6 +30,26 @@ pub struct HardEdge {
     pub weight: f32,
 }
 
+/// The hard edges of all pastes by face.
+#[derive(Debug)]
+pub(super) struct EdgesByFace(Vec<(u32, u32, u8)>);
+
+impl EdgesByFace {
+    pub(super) fn new(edges: &[Vec<HardEdge>]) -> Self {
+        let of_paste = |(k, edges): (usize, &Vec<HardEdge>)| edges.iter().map(|e| (e.face, k as u32, e.edge)).collect::<Vec<_>>();
+        let mut all: Vec<_> = edges.iter().enumerate().flat_map(of_paste).collect();
+        all.sort_unstable();
+        Self(all)
+    }
+
+    /// Face, paste and edge of those on a face.
+    pub(super) fn on(&self, face: u32) -> &[(u32, u32, u8)] {
+        let from = self.0.partition_point(|e| e.0 < face);
+        let count = self.0[from..].iter().take_while(|e| e.0 == face).count();
+        &self.0[from..from + count]
+    }
+}
+
 /// The open edges of a paste where its alpha is not faint. `open` are (place among the paste's faces, edge).
 #[must_use]
 pub fn hard_edges(
@@ -75,27 +95,35 @@ pub fn visible_edges(
     lists: &FaceLists,
     edges: &[Vec<HardEdge>],
 ) -> Vec<Vec<f64>> {
-    let alpha = |&(p, slot): &(u32, u32), bary| paste_alpha(patches, &pastes[p as usize], slot, bary);
     let shows = |(paste, edges): (usize, &Vec<HardEdge>)| {
-        let one = |edge: &HardEdge| {
-            let list = lists.of(edge.face);
-            let from = list.partition_point(|(p, _)| (*p as usize) < paste);
-            // A paste may have lost the face, where nothing of it shows.
-            if list.get(from).is_none_or(|(p, _)| *p as usize != paste) {
-                return 0.0;
-            }
-            let (a, b) = (edge.edge as usize, (edge.edge as usize + 1) % 3);
-            let part = edge_steps().map(|t| {
-                let mut bary = Vec3::ZERO;
-                (bary[a], bary[b]) = (1.0 - t, t);
-                alpha(&list[from], bary) * list[from + 1..].iter().map(|entry| 1.0 - alpha(entry, bary)).product::<f32>()
-            });
-            let p = mesh.corners(edge.face);
-            p[a].distance(p[b]) * f64::from(part.sum::<f32>() / EDGE_SAMPLES as f32)
-        };
-        edges.iter().map(one).collect()
+        edges.iter().map(|e| visible_edge(mesh, patches, pastes, lists.of(e.face), (e.face, paste as u32, e.edge))).collect()
     };
     edges.par_iter().enumerate().map(shows).collect()
+}
+
+/// The same for one hard edge: its face, its paste and the face's edge. `list` names the pastes on the face and their places there, from
+/// the bottom up.
+pub(super) fn visible_edge(
+    mesh: &Mesh,
+    patches: &[TexturePatch],
+    pastes: &[Paste],
+    list: &[(u32, u32)],
+    (face, paste, edge): (u32, u32, u8),
+) -> f64 {
+    let alpha = |&(p, slot): &(u32, u32), bary| paste_alpha(patches, &pastes[p as usize], slot, bary);
+    let from = list.partition_point(|(p, _)| *p < paste);
+    // A paste may have lost the face, where nothing of it shows.
+    if list.get(from).is_none_or(|(p, _)| *p != paste) {
+        return 0.0;
+    }
+    let (a, b) = (usize::from(edge), (usize::from(edge) + 1) % 3);
+    let part = edge_steps().map(|t| {
+        let mut bary = Vec3::ZERO;
+        (bary[a], bary[b]) = (1.0 - t, t);
+        alpha(&list[from], bary) * list[from + 1..].iter().map(|entry| 1.0 - alpha(entry, bary)).product::<f32>()
+    });
+    let p = mesh.corners(face);
+    p[a].distance(p[b]) * f64::from(part.sum::<f32>() / EDGE_SAMPLES as f32)
 }
 
 /// Share of a hard edge that must show before it counts.

@@ -48,7 +48,7 @@ fn options_of_paste_take_effect() {
     let bright = |x: f32, y: f32| (x - 32.0).powi(2) + 2.0 * (y - 32.0).powi(2) < 900.0;
     let ellipse = image::GrayImage::from_fn(64, 64, |x, y| image::Luma([if bright(x as f32, y as f32) { 255 } else { 0 }]));
     ellipse.save(place.path("ellipse.png")).unwrap();
-    let lines: [&[&str]; 12] = [
+    let lines: [&[&str]; 16] = [
         &["--scale", "0.5"],
         &["--ratio", "12", "--up", "-x"],
         &["--up", "1,2,3", "--patch", "whole"],
@@ -60,6 +60,10 @@ fn options_of_paste_take_effect() {
         &["--predictor", "maillot", "--fit-weights", "uniform", "--distortion", "0.6"],
         &["--no-sort", "--no-cull", "--weld", "0.001", "--threads", "1"],
         &["--splotches", "1", "--seed", "18446744073709551615", "--color-only"],
+        &["--plain"],
+        &["--no-prune"],
+        &["--no-windows", "--no-cuts", "--no-overlays"],
+        &["--equalize"],
         &["--quiet", "rust.png", "--weights", "1,3"],
     ];
     let mut seen = Vec::new();

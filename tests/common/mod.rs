@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use lapped::exemplar::{PatchOptions, PatchSource, PatchSpec, TexturePatch, Wrap, make_patches};
+use lapped::field::{Guide, TangentField, default_scale};
 use lapped::format::{Model, Record, read_record, write_record};
 use lapped::job::{Bound, ExemplarInput, PasteJob, Pasted, paste_model};
 use lapped::mesh::{CleanOptions, Mesh, SurfacePoint, clean};
@@ -210,4 +211,15 @@ pub(crate) fn quantile(values: &mut [(f64, f64)], share: f64) -> f64 {
         }
     }
     f64::NAN
+}
+
+/// A directed guide along +Y, with poles wherever the surface faces up or down.
+pub(crate) fn along_y(mesh: &Mesh) -> Guide {
+    let scale = default_scale(mesh, 40.0, 1.0);
+    let up = |f: u32| {
+        let normal = mesh.normal(f);
+        let up = DVec3::Y - normal * normal.y;
+        (up.normalize_or(normal.any_orthonormal_vector()) * scale).as_vec3()
+    };
+    Guide::Directed(TangentField::along((0..mesh.face_count() as u32).map(up).collect()))
 }

@@ -36,7 +36,7 @@ fn every_method_covers_the_surface_and_is_measured_and_seen() {
     let found = all();
     let names: BTreeSet<&str> = found.pictures.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(names.len(), found.pictures.len(), "each picture has a name of its own");
-    for (method, report) in Method::ALL.into_iter().zip(&found.methods) {
+    for (method, report) in Method::USUAL.into_iter().zip(&found.methods) {
         assert_eq!((report.method, &report.failed), (method, &None), "in the order asked for");
         let f = report.figures.as_ref().expect("figures");
         assert_eq!(f.mapping.bare, 0.0, "{method} covers everything");
@@ -103,9 +103,9 @@ fn each_row_names_the_best_and_says_why() {
         let winners: Vec<&str> = row["winners"].as_array().expect("winners").iter().filter_map(|w| w.as_str()).collect();
         let values: Vec<Option<f64>> = row["values"].as_array().expect("values").iter().map(serde_json::Value::as_f64).collect();
         assert!(!row["why"].as_str().expect("why").is_empty(), "{row}");
-        assert!(winners.len() < Method::ALL.len(), "not all win: {row}");
+        assert!(winners.len() < Method::USUAL.len(), "not all win: {row}");
         let Some(first) = winners.first() else { continue };
-        let index = Method::ALL.iter().position(|m| m.key() == *first).expect("a method");
+        let index = Method::USUAL.iter().position(|m| m.key() == *first).expect("a method");
         let best = values[index].expect("the best was measured");
         let floor = row["floor"].as_f64().unwrap_or(f64::NEG_INFINITY);
         let better = |v: &f64| match row["good"].as_str() {
@@ -132,4 +132,20 @@ fn exemplars_with_nothing_to_tell_are_compared_all_the_same() {
             Err(error) => assert!(!error.to_string().is_empty(), "{side} pixels: a sentence"),
         }
     }
+}
+
+#[test]
+fn a_blind_look_mixes_as_many_crops_of_both_and_keeps_the_answers() {
+    let methods = vec![Method::Plain, Method::Tiling];
+    let seen = compared(&CompareJob { methods: methods.clone(), blind: 6, ..job() });
+    for (method, report) in methods.into_iter().zip(&seen.methods) {
+        let (name, key) = report.blind.as_ref().expect("a sheet");
+        assert_eq!((key.crops, key.surface.len(), key.side), (12, 6, 32), "{method}");
+        assert!(key.surface.iter().all(|n| (1..=12).contains(n)), "{method}: {key:?}");
+        let sheet = &seen.pictures.iter().find(|p| p.name == *name).expect("its picture").picture;
+        assert_eq!((sheet.width, sheet.height), (8 * 84, 2 * 84), "{method}: two rows of eight");
+    }
+    assert!(all().methods.iter().all(|m| m.blind.is_none()), "nobody asked");
+    let value = serde_json::to_value(Report::new(&seen, &Asked::default(), 1.0)).expect("it can be written");
+    assert_eq!(value["methods"][0]["blind"][1]["surface"].as_array().map(Vec::len), Some(6));
 }

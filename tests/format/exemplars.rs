@@ -329,3 +329,18 @@ fn a_single_pixel_is_an_exemplar() {
     image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0])).save(&path).unwrap();
     assert_eq!(pixel(&read(&path).0, Channel::BaseColor, 0, 0), Vec3::X, "one pixel");
 }
+
+#[test]
+fn light_is_evened_out_if_asked_for_and_that_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("lit.png");
+    image::RgbImage::from_fn(80, 60, |x, y| image::Rgb([120 + x as u8, 120 + x as u8, 90 + (y % 5) as u8])).save(&path).unwrap();
+    let side = |exemplar: &Exemplar, x: i64| (0..60).map(|y| pixel(exemplar, Channel::BaseColor, x, y).x).sum::<f32>();
+    let (as_it_is, told) = read_exemplar(&path, &ExemplarOptions::default()).unwrap();
+    assert!(told.is_empty() && side(&as_it_is, 78) > 2.5 * side(&as_it_is, 1), "nobody asked: {told:?}");
+    let even = ExemplarOptions { equalize: true, ..ExemplarOptions::default() };
+    let (evened, told) = read_exemplar(&path, &even).unwrap();
+    let ratio = side(&evened, 78) / side(&evened, 1);
+    assert!((0.85..1.15).contains(&ratio), "left and right are as bright: {ratio}");
+    assert!(told.len() == 1 && told[0].note && told[0].text.contains("evened out"), "{told:?}");
+}

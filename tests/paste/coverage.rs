@@ -132,7 +132,14 @@ fn sorting_by_hard_edges_hides_them_and_leaves_coverage_alone() {
     for (name, exemplar) in [("gear", "stone"), ("dragonling", "bricks")] {
         let model = lapped::assets::mesh(name).unwrap();
         let run = |hide_hard_edges| {
-            let paste = PasteOptions { hide_hard_edges, overlays: false, cuts: false, cull: false, ..PasteOptions::default() };
+            let paste = PasteOptions {
+                hide_hard_edges,
+                overlays: false,
+                prune: false,
+                cuts: false,
+                cull: false,
+                ..PasteOptions::default()
+            };
             pasted(&model, exemplar, &PasteJob { paste, ..job(40.0, Steer::default()) })
         };
         let (sorted, laid) = (run(true), run(false));

@@ -12,6 +12,7 @@ mod flat;
 mod folder;
 mod hard;
 mod overlays;
+mod prune;
 mod repeat;
 mod ways;
 mod windows;

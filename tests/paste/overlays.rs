@@ -2,28 +2,15 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
-use crate::common::{asset, patches};
+use crate::common::{along_y, asset, patches};
 use lapped::assets;
 use lapped::exemplar::PatchSource;
-use lapped::field::{Guide, TangentField, default_scale};
-use lapped::mesh::Mesh;
 use lapped::paste::{Finish, PasteOptions, PasteStatistics, Seeding, cover};
 use lapped::progress::Silent;
 
-/// A directed guide along +Y, with poles wherever the surface faces up or down.
-fn along_y(mesh: &Mesh) -> Guide {
-    let scale = default_scale(mesh, 40.0, 1.0);
-    let up = |f: u32| {
-        let normal = mesh.normal(f);
-        let up = glam::DVec3::Y - normal * normal.y;
-        (up.normalize_or(normal.any_orthonormal_vector()) * scale).as_vec3()
-    };
-    Guide::Directed(TangentField::along((0..mesh.face_count() as u32).map(up).collect()))
-}
-
 fn pasted(name: &str, overlays: bool, cuts: bool) -> (Vec<Seeding>, PasteStatistics) {
     let mesh = asset("dragonling");
-    let options = PasteOptions { overlays, windows: false, cuts, cull: false, ..PasteOptions::default() };
+    let options = PasteOptions { overlays, prune: false, windows: false, cuts, cull: false, ..PasteOptions::default() };
     let patches = patches(name, PatchSource::Splotch);
     let exemplar = assets::exemplar(name).unwrap();
     let covered = cover(&mesh, &along_y(&mesh), vec![exemplar], patches, &[], &options, &Silent).unwrap();

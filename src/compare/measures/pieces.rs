@@ -87,7 +87,7 @@ pub fn of_surface(at: &Placed, side: usize, count: usize, seed: u64) -> Pieces {
 
 /// Pieces around given points.
 #[must_use]
-pub(super) fn around(at: &Placed, side: usize, points: &[SurfacePoint]) -> Pieces {
+pub fn around(at: &Placed, side: usize, points: &[SurfacePoint]) -> Pieces {
     let one = |&point: &SurfacePoint| -> Vec<[f32; 3]> {
         let [right, down] = directions(at, point);
         let pixel = |[x, y]: [f64; 2]| {

@@ -13,13 +13,16 @@ mod set;
 use super::error::{FormatError, Problem, Warning};
 use super::picture::{Picture, Transfer, decode};
 use super::read_file;
-use crate::exemplar::{Channel, Exemplar, Image, MipChain, Wrap};
+use crate::exemplar::{Channel, Evened, Exemplar, Image, MipChain, Wrap, equalize};
 use glam::{Vec2, Vec3};
 use image::ImageFormat;
 use names::Role;
 use set::{Found, find};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+
+/// Share of clipped pixels from which on it is worth telling.
+const CLIPPED: f32 = 0.01;
 
 /// Which way the second component of a normal map points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -54,6 +57,8 @@ pub struct ExemplarOptions {
     pub bright_is_high: Option<bool>,
     /// What lies beyond the edges.
     pub wrap: Wrap,
+    /// Take slow changes of light out of the base colour ([`equalize`]).
+    pub equalize: bool,
 }
 
 /// Reads an exemplar. `path` is an image, a folder with one material set, or the beginning of a set's file names.
@@ -78,6 +83,14 @@ pub fn read_exemplar(path: &Path, options: &ExemplarOptions) -> Result<(Exemplar
     }
     for (channel, image) in read_channels(&found, options, exemplar.size(), &mut warnings)? {
         exemplar.set(channel, image).map_err(fail)?;
+    }
+    if options.equalize {
+        let Evened { varied, clipped } = equalize(&mut exemplar);
+        note(&mut warnings, base, &format!("its light varied by {:.0} %, and was evened out", 100.0 * varied));
+        if clipped > CLIPPED {
+            let text = format!("with its light evened out {:.0} % of it became too bright, and was clipped", 100.0 * clipped);
+            warn(&mut warnings, base, &text);
+        }
     }
     Ok((exemplar, warnings))
 }

@@ -8,26 +8,6 @@ use glam::{Vec2, Vec3};
 /// Where something has less alpha than this it shows, and hides, nothing.
 const FAINT: f32 = 0.02;
 
-/// The hard edges of all pastes by face.
-#[derive(Debug)]
-pub(super) struct EdgesByFace(Vec<(u32, u32, u8)>);
-
-impl EdgesByFace {
-    pub(super) fn new(edges: &[Vec<HardEdge>]) -> Self {
-        let of_paste = |(k, edges): (usize, &Vec<HardEdge>)| edges.iter().map(|e| (e.face, k as u32, e.edge)).collect::<Vec<_>>();
-        let mut all: Vec<_> = edges.iter().enumerate().flat_map(of_paste).collect();
-        all.sort_unstable();
-        Self(all)
-    }
-
-    /// Face, paste and edge of those on a face.
-    fn on(&self, face: u32) -> &[(u32, u32, u8)] {
-        let from = self.0.partition_point(|e| e.0 < face);
-        let count = self.0[from..].iter().take_while(|e| e.0 == face).count();
-        &self.0[from..from + count]
-    }
-}
-
 /// A place on a hard edge.
 struct Sample {
     bary: Vec3,

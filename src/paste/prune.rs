@@ -1,0 +1,162 @@
+//! Pruning: pastes that the others make needless are left out.
+//!
+//! Pastes are laid where nothing lies yet, one after the other; later ones often finish what an earlier one was laid for, and what is
+//! left of that is a sliver with borders on all sides. The paper keeps them all.
+//!
+//! 1. Find the area that shows of each paste.
+//! 2. From the least up, a paste is left out if all samples of coverage on its faces stay opaque without it, not more faces are drawn
+//!    there in all, and no more hard edges show. Pastes that share no face are looked at in parallel.
+//! 3. Pastes that the audit asked for are kept: it looks closer than the samples.
+
+use super::coverage::{Lattice, Tile};
+use super::lapped::{FaceLists, Paste};
+use super::layout::{Layout, LayoutInput};
+use super::order::{EdgesByFace, HardEdge, mask_pixels, permute, visible_edge};
+use super::stencil::Stencil;
+use super::window::waves;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Faces a task takes.
+const CHUNK: usize = 4096;
+
+/// Leaves out what is needless of pastes in paint order, but for those whose place in the order in which they were laid is among
+/// `kept`. Returns how many were left out.
+pub fn prune(input: &LayoutInput, layout: &mut Layout, kept: Range<u32>) -> usize {
+    let count = layout.pastes.len();
+    let pruner = Pruner {
+        input,
+        pastes: &layout.pastes,
+        edges: &layout.edges,
+        lists: FaceLists::new(input.mesh.face_count(), &layout.pastes),
+        by_face: EdgesByFace::new(&layout.edges),
+    };
+    let shows = pruner.shown_area();
+    let mut order: Vec<u32> = (0..count as u32).filter(|&k| !kept.contains(&layout.seedings[k as usize].laid)).collect();
+    order.sort_by(|&a, &b| shows[a as usize].total_cmp(&shows[b as usize]));
+    let mut gone = vec![false; count];
+    for wave in waves(input.mesh.face_count(), &layout.pastes, &order) {
+        let needless: Vec<bool> = wave.par_iter().map(|&k| pruner.needless(k, &gone)).collect();
+        wave.iter().zip(needless).for_each(|(&k, needless)| gone[k as usize] = needless);
+    }
+    let left: Vec<u32> = (0..count as u32).filter(|&k| !gone[k as usize]).collect();
+    let Layout { pastes, seedings, edges, .. } = layout;
+    *pastes = permute(std::mem::take(pastes), &left);
+    *seedings = permute(std::mem::take(seedings), &left);
+    *edges = permute(std::mem::take(edges), &left);
+    count - left.len()
+}
+
+struct Pruner<'a> {
+    input: &'a LayoutInput<'a>,
+    pastes: &'a [Paste],
+    edges: &'a [Vec<HardEdge>],
+    lists: FaceLists,
+    by_face: EdgesByFace,
+}
+
+impl Pruner<'_> {
+    fn lattice(&self, face: u32) -> Lattice {
+        Lattice::new(&self.input.mesh.corners(face), f64::from(self.input.pitch[face as usize]))
+    }
+
+    /// Lays pastes on a face from the top down until it is opaque; `seen` hears of each whether anything of it shows. Returns whether
+    /// the face is opaque.
+    fn look(&self, face: u32, list: impl Iterator<Item = (u32, u32)>, mut seen: impl FnMut(u32, bool, &Tile)) -> bool {
+        let lattice = self.lattice(face);
+        let mut tile = Tile::Bare;
+        for (number, slot) in list {
+            let paste = &self.pastes[number as usize];
+            let mask = &self.input.masks[paste.patch as usize];
+            let pixels = mask_pixels(paste, slot, self.input.patches[paste.patch as usize].mask.size());
+            let shows = tile.cover(&lattice, &Stencil::new(mask, None), pixels);
+            seen(number, shows, &tile);
+            if tile == Tile::Opaque {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The area that shows of each paste.
+    fn shown_area(&self) -> Vec<f64> {
+        let faces: Vec<u32> = (0..self.input.mesh.face_count() as u32).collect();
+        let of_face = |&face: &u32, shown: &mut Vec<(u32, f64)>| {
+            let cells = self.lattice(face).cells();
+            let part = self.input.mesh.area(face) / cells as f64;
+            let mut open = cells;
+            self.look(face, self.lists.of(face).iter().rev().copied(), |number, shows, tile| {
+                let left = tile.uncovered(|| cells);
+                if shows {
+                    shown.push((number, (open - left) as f64 * part));
+                }
+                open = left;
+            });
+        };
+        let parts: Vec<Vec<(u32, f64)>> = faces
+            .par_chunks(CHUNK)
+            .map(|chunk| {
+                let mut shown = Vec::new();
+                chunk.iter().for_each(|face| of_face(face, &mut shown));
+                shown
+            })
+            .collect();
+        let mut sums = vec![0.0; self.pastes.len()];
+        parts.into_iter().flatten().for_each(|(number, area)| sums[number as usize] += area);
+        sums
+    }
+
+    /// True if a paste may be left out as those that are gone already were.
+    fn needless(&self, k: u32, gone: &[bool]) -> bool {
+        let faces = &self.pastes[k as usize].faces;
+        let with = |face: u32| self.lists.of(face).iter().copied().filter(|e| !gone[e.0 as usize]);
+        let without = move |face: u32| with(face).filter(move |e| e.0 != k);
+        let mut drawn = 0;
+        for &face in faces {
+            let mut count = |_, shows, _: &Tile| drawn += i64::from(shows);
+            let mut list: Vec<(u32, u32)> = without(face).collect();
+            list.reverse();
+            if !self.look(face, list.into_iter(), &mut count) {
+                return false;
+            }
+        }
+        for &face in faces {
+            let mut count = |_, shows, _: &Tile| drawn -= i64::from(shows);
+            let mut list: Vec<(u32, u32)> = with(face).collect();
+            list.reverse();
+            self.look(face, list.into_iter(), &mut count);
+        }
+        drawn <= 0 && self.uncovered_edges(k, &with, &without) <= self.own_edges(k, &with)
+    }
+
+    /// Length of a paste's own hard edges that shows.
+    fn own_edges<L: Iterator<Item = (u32, u32)>>(&self, k: u32, with: &impl Fn(u32) -> L) -> f64 {
+        let shows = |e: &HardEdge| self.shows(&with(e.face).collect::<Vec<_>>(), (e.face, k, e.edge));
+        self.edges[k as usize].iter().map(shows).sum()
+    }
+
+    /// Length of other pastes' hard edges that shows without a paste, and does not with it.
+    fn uncovered_edges<L: Iterator<Item = (u32, u32)>, M: Iterator<Item = (u32, u32)>>(
+        &self,
+        k: u32,
+        with: &impl Fn(u32) -> L,
+        without: &impl Fn(u32) -> M,
+    ) -> f64 {
+        let mut sum = 0.0;
+        for &face in &self.pastes[k as usize].faces {
+            let edges = self.by_face.on(face);
+            if edges.iter().all(|e| e.1 >= k) {
+                continue;
+            }
+            let (before, after): (Vec<_>, Vec<_>) = (with(face).collect(), without(face).collect());
+            for &edge in edges.iter().filter(|e| e.1 < k) {
+                sum += self.shows(&after, edge) - self.shows(&before, edge);
+            }
+        }
+        sum
+    }
+
+    fn shows(&self, list: &[(u32, u32)], edge: (u32, u32, u8)) -> f64 {
+        visible_edge(self.input.mesh, self.input.patches, self.pastes, list, edge)
+    }
+}
