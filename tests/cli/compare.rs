@@ -88,7 +88,7 @@ fn what_cannot_be_compared_is_told_in_a_sentence() {
     place.write("unknown.toml", "mesh = [\"mesh.obj\"]\nexemplar = [\"wood.png\"]\n[defaults]\nsize = \"64x48\"\ncolour = 1\n");
     let lines: [(&[&str], i32, &str); 8] = [
         (&["compare", "--job", "empty.toml", "-o", "out/c", "--ratio", "3"], 2, "--ratio"),
-        (&["compare", "mesh.obj", "wood.png", "-o", "out/c", "--methods", "magic"], 2, "there are pasted, baked"),
+        (&["compare", "mesh.obj", "wood.png", "-o", "out/c", "--methods", "magic"], 2, "there are pasted, plain, baked"),
         (&["compare", "mesh.obj", "wood.png"], 2, "--output"),
         (&["compare", "none.obj", "wood.png", "-o", "out/c"], 1, "none.obj"),
         (&["compare", "mesh.obj", "wood.png", "-o", "mesh.obj"], 1, "name a folder"),
