@@ -10,10 +10,10 @@
 //! 2. A paste is compared with what lies below it on a grid over its mask, a few dozen cells a side. Cells that are not covered below
 //!    must stay inside.
 //! 3. On each of the ways out of the middle ([`Cut`]) a border may lie at a few distances, from where the outermost such
-//!    cell ends to where the mask does. Dynamic programming finds the closed path of least difference through them ([`path`]).
+//!    cell ends to where the mask does. Dynamic programming finds the closed path of least difference through them (`path.rs`).
 //! 4. Where growth stopped inside the mask a paste ends in a hard edge. A border that leaves it to show pays for the step there, and
 //!    for more than a soft one; so a paste with hard edges is cut before them, softly, wherever something lies below. A border that
-//!    would uncover a hard edge of another paste pays as well ([`hard`]).
+//!    would uncover a hard edge of another paste pays as well (`hard.rs`).
 //! 5. A path that is not clearly better than the mask's own border is given up.
 //! 6. Where coverage finds a hole all the same, cuts are taken back ([`see_without_holes`]).
 //!
