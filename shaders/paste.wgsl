@@ -9,6 +9,8 @@ struct Paste {
     // Where its cut begins in `pastes`; 0: it has none.
     cut: u32,
     offset: vec2f,
+    // How far it is from agreeing with what lies below, 0 to 2 (src/paste/contrast.rs).
+    apart: f32,
 }
 
 // A face under a paste: texture coordinates of its corners over the mask, as bits. Where layers are mixed by weights, one entry
@@ -108,6 +110,18 @@ fn fetch(image: texture_2d_array<f32>, layer: i32, pixel: vec2f, shrink: f32, ov
     return textureSampleLevel(image, filtered, pixel * shrink / size, layer, over.lod + log2(shrink));
 }
 
+// The same of an exemplar, its deviation from the exemplar's mean lifted.
+fn lifted(image: texture_2d_array<f32>, layer: i32, pixel: vec2f, exemplar: Exemplar, over: Footprint, lift: f32) -> vec4f {
+    let value = fetch(image, layer, pixel, exemplar.shrink, over);
+    if lift == 1.0 {
+        return value;
+    }
+    // The coarsest level has one pixel.
+    let coarsest = i32(ceil(log2(max(exemplar.size.x, exemplar.size.y) * exemplar.shrink) - 1e-3));
+    let mean = textureLoad(image, vec2i(0), layer, max(coarsest, 0));
+    return mean + lift * (value - mean);
+}
+
 fn mask_alpha(piece: Patch, pixel: vec2f, over: Footprint) -> f32 {
     let size = vec2f(textureDimensions(masks));
     let uv = (piece.place + pixel * piece.shrink) / size;
@@ -154,7 +168,7 @@ const CUT_UNITS = vec2f(1.0 / 204.0, 1.0 / 512.0);
 
 fn paste_at(index: u32) -> Paste {
     let words = pastes[index];
-    return Paste(words.x, words.y, bitcast<vec2f>(words.zw));
+    return Paste(words.x & 0xffffu, words.y, bitcast<vec2f>(words.zw), f32(words.x >> 16u) * (2.0 / 255.0));
 }
 
 // Distance and width of a cut on one of its ways.
@@ -195,6 +209,24 @@ struct Place {
     turn: f32,
     over: Footprint,
     alpha: f32,
+    // By how much the deviation from the exemplar's mean is multiplied.
+    lift: f32,
+}
+
+// Alphas below this show nothing.
+const LEAST_ALPHA = 1e-6;
+
+// Alpha and lift of a paste that keeps contrast; the twin of `faded` in src/paste/contrast.rs.
+fn faded(alpha: f32, apart: f32) -> vec2f {
+    if apart == 0.0 || alpha >= 1.0 {
+        return vec2f(alpha, 1.0);
+    }
+    let spread = sqrt(1.0 - apart * alpha * (1.0 - alpha));
+    let opaque = 1.0 - (1.0 - alpha) / spread;
+    if opaque > LEAST_ALPHA {
+        return vec2f(opaque, alpha / (spread * opaque));
+    }
+    return vec2f(0.0, 1.0);
 }
 
 // `across` and `down` are the steps of `bary` to the next sample.
@@ -222,6 +254,9 @@ fn place_on(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) ->
     if place.paste.cut != 0u && place.alpha > 0.0 {
         place.alpha *= cut_alpha(place.paste.cut, at, 2.0 / min(piece.size.x, piece.size.y) * exp2(place.over.lod));
     }
+    let fade = faded(place.alpha, place.paste.apart);
+    place.alpha = fade.x;
+    place.lift = fade.y;
     return place;
 }
 
@@ -265,13 +300,13 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
         place = relief(exemplar, place, slope, frame.parallax * exemplar.size.x, over);
     }
     place = wrapped(exemplar, place);
-    let base = fetch(base_colors, exemplar.layers.x, place, exemplar.shrink, over);
+    let base = lifted(base_colors, exemplar.layers.x, place, exemplar, over, on.lift);
     layer.base_color = base.xyz;
     layer.opacity = base.w;
     layer.normal = g.normal;
     layer.height = 0.5;
     if exemplar.layers.y >= 0 {
-        let relief = fetch(normal_maps, exemplar.layers.y, place, exemplar.shrink, over);
+        let relief = lifted(normal_maps, exemplar.layers.y, place, exemplar, over, on.lift);
         layer.height = select(layer.height, relief.w, (exemplar.flags & HEIGHTS) != 0u);
         let n = relief.xyz * 2.0 - 1.0;
         layer.normal = right * n.x - below * n.y + g.normal * n.z;
@@ -280,14 +315,14 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
     }
     var gloss = DEFAULT_GLOSS;
     if exemplar.layers.z >= 0 {
-        gloss = fetch(gloss_maps, exemplar.layers.z, place, exemplar.shrink, over).xyz;
+        gloss = lifted(gloss_maps, exemplar.layers.z, place, exemplar, over, on.lift).xyz;
     }
     layer.roughness = gloss.x;
     layer.metallic = gloss.y;
     layer.occlusion = gloss.z;
     layer.emissive = vec3f(0.0);
     if exemplar.layers.w >= 0 {
-        layer.emissive = fetch(emissions, exemplar.layers.w, place, exemplar.shrink, over).xyz;
+        layer.emissive = lifted(emissions, exemplar.layers.w, place, exemplar, over, on.lift).xyz;
     }
     return layer;
 }

@@ -123,7 +123,7 @@ fn lit(sum: Material, g: Ground, corner_normal: vec3f, open: f32) -> vec4f {
     let occlusion = select(1.0, sum.occlusion * part, has(OCCLUSION));
     let reflectance = select(PLAIN, DIELECTRIC, has(ROUGHNESS) || has(METALLIC));
     let light = shade(
-        mix(frame.bare, sum.base_color * part, cover),
+        mix(frame.bare, clamp(sum.base_color * part, vec3f(0.0), vec3f(1.0)), cover),
         clamp(mix(PLAIN_ROUGHNESS, roughness, cover), 0.0, 1.0),
         clamp(metallic * cover, 0.0, 1.0),
         reflectance,
@@ -132,7 +132,7 @@ fn lit(sum: Material, g: Ground, corner_normal: vec3f, open: f32) -> vec4f {
         smoothed,
         g.to_eye,
     );
-    let emitted = select(vec3f(0.0), sum.emissive * part * cover, has(EMISSIVE));
+    let emitted = select(vec3f(0.0), clamp(sum.emissive * part, vec3f(0.0), vec3f(1.0)) * cover, has(EMISSIVE));
     let opacity = select(1.0, 1.0 - cover * (1.0 - clamp(sum.opacity * part, 0.0, 1.0)), has(OPACITY));
     return vec4f(tone(light + emitted) * opacity, opacity);
 }

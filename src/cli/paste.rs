@@ -119,7 +119,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 35] = [
+const OF_A_REGION: [&str; 36] = [
     "exemplars",
     "scale",
     "ratio",
@@ -132,6 +132,7 @@ const OF_A_REGION: [&str; 35] = [
     "plain",
     "no_windows",
     "no_cuts",
+    "keep_contrast",
     "no_overlays",
     "no_prune",
     "splotches",
@@ -329,6 +330,7 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
         "plain": args.region.plain,
         "windows": !args.region.plain && !args.region.no_windows,
         "cuts": !args.region.plain && !args.region.no_cuts,
+        "contrast": args.region.keep_contrast,
         "overlays": !args.region.plain && !args.region.no_overlays,
         "prune": !args.region.plain && !args.region.no_prune,
         "regions": pasted.report.regions.iter().map(|r| &r.name).collect::<Vec<_>>(),

@@ -54,6 +54,9 @@ pub struct RegionArgs {
     /// Let each paste end where its mask does
     #[arg(long, help_heading = "Texture patches")]
     pub no_cuts: bool,
+    /// Give back the contrast that two textures lose where one fades into the other: for wide --feather, or soft exemplars
+    #[arg(long, help_heading = "Texture patches", conflicts_with = "plain")]
+    pub keep_contrast: bool,
     /// Lay no pastes over hard edges that show
     #[arg(long, help_heading = "Texture patches")]
     pub no_overlays: bool,
@@ -218,6 +221,7 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
         cull: !args.no_cull,
         windows: !args.no_windows,
         cuts: !args.no_cuts,
+        contrast: args.keep_contrast,
         ..PasteOptions::default()
     };
     Ok(PasteJob {

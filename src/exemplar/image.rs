@@ -160,6 +160,13 @@ impl MipChain {
         &self.levels[0]
     }
 
+    /// The one pixel of the coarsest level: the mean of all, if sides are powers of two; else those at the right and lower edge count
+    /// for more.
+    #[must_use]
+    pub fn mean(&self) -> Vec3 {
+        self.levels[self.levels.len() - 1].pixel(0, 0)
+    }
+
     /// Size of the finest level.
     #[must_use]
     pub fn size(&self) -> [u32; 2] {

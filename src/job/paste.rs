@@ -370,7 +370,7 @@ pub fn lay_with_draft(
 
     let covered = cover(mesh, &guide, exemplars, patches, &difficulty, &job.paste, progress)?;
     if let Some(Drafts { take, .. }) = drafts.filter(|_| job.paste.windows || job.paste.cuts) {
-        let made = covered.clone().finish(mesh, Finish { windows: false, cuts: false }, progress);
+        let made = covered.clone().finish(mesh, Finish { windows: false, cuts: false, contrast: false }, progress);
         take(Draft::Uncut, Laid::new(fine.clone(), guide.clone(), report.clone(), made));
         if progress.cancelled() {
             return Err(PasteError::Cancelled.into());

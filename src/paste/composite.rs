@@ -4,7 +4,8 @@
 //! nothing more shows. Pastes of one layer are taken together and let through what the layer's weight leaves. All channels
 //! travel together; normals are turned from each paste's own frame into the mesh's space.
 
-use super::lapped::{FaceLists, LappedTexture, Layer, Paste};
+use super::contrast::faded;
+use super::lapped::{AGREES, FaceLists, LappedTexture, Layer, Paste};
 use super::relief::{LEAST_COSINE, met};
 use super::stencil::pixel_blur;
 use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
@@ -27,6 +28,8 @@ pub struct Composite<'a> {
     channels: ChannelSet,
     /// One past the last paste of each layer.
     layer_ends: Vec<u32>,
+    /// A paste keeps contrast, so that sums may leave the range of a channel.
+    lifted: bool,
     /// Depth of relief shown by parallax, in exemplar widths.
     parallax: f32,
 }
@@ -91,7 +94,8 @@ impl<'a> Composite<'a> {
             Some(*end)
         };
         let layer_ends = lapped.layers.iter().scan(0, ends).collect();
-        Self { mesh, lapped, lists, channels, layer_ends, parallax: 0.0 }
+        let lifted = lapped.pastes.iter().any(|p| p.agreement != AGREES);
+        Self { mesh, lapped, lists, channels, layer_ends, lifted, parallax: 0.0 }
     }
 
     /// Shows the relief of exemplars with a height by parallax, so deep at most, in exemplar widths; 0 shows none.
@@ -113,7 +117,8 @@ impl<'a> Composite<'a> {
         let mut clear = Clear::new(self, at);
         for &(paste, slot) in self.lists.of(at.face).iter().rev() {
             clear.share(paste);
-            clear.take(paste_alpha(&self.lapped.patches, &self.lapped.pastes[paste as usize], slot, at.bary));
+            let paste = &self.lapped.pastes[paste as usize];
+            clear.take(faded(paste_alpha(&self.lapped.patches, paste, slot, at.bary), paste.agreement)[0]);
         }
         1.0 - clear.rest()
     }
@@ -134,7 +139,7 @@ impl<'a> Composite<'a> {
         let image = PixelMap::new(paste, patch, slot);
         let pixel = image.pixel(at.bary);
         let lod = (footprint * image.pixels_per_unit(ground.area)).max(1.0).log2();
-        let alpha = patch.mask.sample(pixel, lod).x * cut_alpha(patch, paste, pixel, lod);
+        let [alpha, lift] = faded(patch.mask.sample(pixel, lod).x * cut_alpha(patch, paste, pixel, lod), paste.agreement);
         if alpha <= 0.0 {
             return 0.0;
         }
@@ -152,7 +157,8 @@ impl<'a> Composite<'a> {
             place = met(height, place, slope, self.parallax * size.x, lod, wrapped);
         }
         let place = wrapped(place);
-        let read = |channel: Channel| exemplar.channel(channel).map(|image| image.sample(place, lod));
+        let lifted = |v: Vec3, mean: Vec3| if lift == 1.0 { v } else { mean + lift * (v - mean) };
+        let read = |channel: Channel| exemplar.channel(channel).map(|image| lifted(image.sample(place, lod), image.mean()));
         if let Some(v) = read(Channel::BaseColor) {
             texel.base_color += share * v;
         }
@@ -296,16 +302,18 @@ impl Composite<'_> {
             return Texel::empty(normal);
         }
         let part = 1.0 / total;
+        let one = |sum: f32| if self.lifted { (sum * part).clamp(0.0, 1.0) } else { sum * part };
+        let three = |sum: Vec3| if self.lifted { (sum * part).clamp(Vec3::ZERO, Vec3::ONE) } else { sum * part };
         Texel {
-            base_color: sum.base_color * part,
+            base_color: three(sum.base_color),
             alpha: if clear < NOTHING_LEFT { 1.0 } else { total },
             normal: sum.normal.normalize_or(normal),
-            height: sum.height * part,
-            roughness: sum.roughness * part,
-            metallic: sum.metallic * part,
-            occlusion: sum.occlusion * part,
-            emissive: sum.emissive * part,
-            opacity: sum.opacity * part,
+            height: one(sum.height),
+            roughness: one(sum.roughness),
+            metallic: one(sum.metallic),
+            occlusion: one(sum.occlusion),
+            emissive: three(sum.emissive),
+            opacity: one(sum.opacity),
         }
     }
 }

@@ -19,7 +19,13 @@ pub struct Paste {
     pub offset: Vec2,
     /// Where it ends inside its mask; `None`: where the mask does.
     pub cut: Option<Box<Cut>>,
+    /// How much what it shows along its border agrees with what lies below, in 255ths ([`contrast`](super::contrast)); [`AGREES`] mixes
+    /// them as alpha says and no more.
+    pub agreement: u8,
 }
+
+/// [`Paste::agreement`] of a paste that is simply laid over.
+pub const AGREES: u8 = 255;
 
 /// Exemplars, texture patches and pastes in paint order: later ones lie on top.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -109,6 +115,7 @@ mod tests {
             uv: vec![[Vec2::ZERO; 3]; faces.len()],
             offset: Vec2::ZERO,
             cut: None,
+            agreement: AGREES,
         };
         let lists = FaceLists::new(3, &[paste(&[2, 0]), paste(&[0]), paste(&[1, 9, 0])]);
         assert_eq!(lists.of(0), [(0, 1), (1, 0), (2, 2)], "bottom first, with slots");

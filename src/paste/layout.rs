@@ -14,7 +14,7 @@ use super::PasteError;
 use super::coverage::{Lattice, Reach, Tile};
 use super::coverage_backend::{CoverageDrawer, CoveredFace};
 use super::grow::{PatchPlan, Predictor, Site, Stops};
-use super::lapped::Paste;
+use super::lapped::{AGREES, Paste};
 use super::lay::{FitChoice, Laid, lay};
 use super::order::{HardEdge, by_hard_edges, hard_edges, mask_pixels, permute};
 use super::seed::WeightedDraw;
@@ -556,7 +556,7 @@ impl<'a> Loop<'a> {
 
 /// The paste of a laid patch: the faces that the mask reaches, and for each face of the disc its place among them.
 pub(super) fn record(laid: &Laid, patch: u16, plan: &PatchPlan, mask: &CoverageMask) -> (Paste, Vec<Option<u32>>) {
-    let mut paste = Paste { patch, faces: Vec::new(), uv: Vec::new(), offset: Vec2::ZERO, cut: None };
+    let mut paste = Paste { patch, faces: Vec::new(), uv: Vec::new(), offset: Vec2::ZERO, cut: None, agreement: AGREES };
     let mut place = vec![None; laid.disc.faces.len()];
     for (i, &face) in laid.disc.faces.iter().enumerate() {
         let pixel = laid.disc.face_uv(i).map(|q| plan.mask_pixel(q));

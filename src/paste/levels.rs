@@ -51,6 +51,16 @@ impl Level {
         (y * 2 * self.size[0] + x) * self.components
     }
 
+    /// The mean of all pixels.
+    pub(super) fn mean(&self) -> Vec<f32> {
+        let row = self.size[0] * self.components;
+        let mut sums = vec![0.0_f64; self.components];
+        for pixels in self.data.chunks_exact(2 * row).take(self.size[1]).map(|rows| &rows[..row]) {
+            pixels.chunks_exact(self.components).for_each(|p| sums.iter_mut().zip(p).for_each(|(s, &x)| *s += f64::from(x)));
+        }
+        sums.iter().map(|s| (s / (self.size[0] * self.size[1]) as f64) as f32).collect()
+    }
+
     pub(super) fn at(&self, pixel: [usize; 2]) -> &[f32] {
         &self.data[self.first(pixel)..][..self.components]
     }

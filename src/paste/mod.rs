@@ -6,12 +6,13 @@
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
 //! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not,
 //! [`prune`](mod@prune) leaves out those that the others make needless, [`window`] chooses what each of them shows and
-//! [`seam`] where it ends, and what nobody can see is dropped. The result is a
+//! [`seam`] where it ends, [`contrast`] how it fades, and what nobody can see is dropped. The result is a
 //! [`LappedTexture`]; [`Composite`] shows it. [`draft`](mod@draft) shows at once what a change will bring.
 
 pub mod audit;
 pub mod composite;
 pub mod composite_backend;
+pub mod contrast;
 pub mod coverage;
 pub mod coverage_backend;
 pub mod cut;
@@ -40,9 +41,9 @@ pub use coverage_backend::{Coverage, CoverageBackend};
 pub use cut::Cut;
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};
-pub use lapped::{FaceLists, LappedTexture, Layer, Paste};
+pub use lapped::{AGREES, FaceLists, LappedTexture, Layer, Paste};
 pub use layout::Seeding;
-pub use seam::CutStatistics;
+pub use seam::{ContrastStatistics, CutStatistics};
 pub use statistics::SpreadSummary;
 pub use watch::Growth;
 
@@ -60,7 +61,7 @@ use order::{HardEdge, permute};
 use overlay::lay_over_hard_edges;
 use prune::prune;
 use rayon::prelude::*;
-use seam::{choose_cuts, see_without_holes};
+use seam::{choose_agreements, choose_cuts, see_without_holes};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -119,6 +120,8 @@ pub struct PasteOptions {
     pub windows: bool,
     /// Let the border of each paste run where it shows least ([`seam`]).
     pub cuts: bool,
+    /// Let transitions keep the contrast of what they mix ([`contrast`]).
+    pub contrast: bool,
     /// Where coverage is drawn.
     pub coverage: Coverage,
     /// Coverage masks of the texture patches, patch for patch, if they are there from an earlier time; else they are made.
@@ -139,6 +142,7 @@ impl Default for PasteOptions {
             cull: true,
             windows: true,
             cuts: true,
+            contrast: false,
             coverage: Coverage::default(),
             masks: None,
         }
@@ -146,10 +150,10 @@ impl Default for PasteOptions {
 }
 
 impl PasteOptions {
-    /// With nothing that the paper does not have, sorting apart: no windows, cuts, overlays and pruning.
+    /// With nothing that the paper does not have, sorting apart: no windows, cuts, overlays, pruning and contrast kept.
     #[must_use]
     pub fn plain(self) -> Self {
-        Self { overlays: false, prune: false, windows: false, cuts: false, ..self }
+        Self { overlays: false, prune: false, windows: false, cuts: false, contrast: false, ..self }
     }
 
     /// The distortion bound that holds for a guide, and for pastes that are free of its direction.
@@ -162,7 +166,7 @@ impl PasteOptions {
     /// What is done once everything is covered.
     #[must_use]
     pub const fn finish(&self) -> Finish {
-        Finish { windows: self.windows, cuts: self.cuts }
+        Finish { windows: self.windows, cuts: self.cuts, contrast: self.contrast }
     }
 
     fn fit(&self) -> lay::FitChoice {
@@ -285,6 +289,8 @@ pub struct PasteStatistics {
     pub windows: WindowStatistics,
     /// Pastes cut, and how much less borders show.
     pub cuts: CutStatistics,
+    /// How far pastes agree with what lies below, if contrast is kept.
+    pub contrast: ContrastStatistics,
     /// Seconds per stage.
     pub seconds: StageSeconds,
 }
@@ -350,10 +356,12 @@ pub struct Finish {
     pub windows: bool,
     /// As [`PasteOptions::cuts`].
     pub cuts: bool,
+    /// As [`PasteOptions::contrast`].
+    pub contrast: bool,
 }
 
-/// The first part of [`paste`]: lays pastes until nothing shows through, and sorts them. `options.windows` and `options.cuts` are not
-/// looked at.
+/// The first part of [`paste`]: lays pastes until nothing shows through, and sorts them. `options.windows`, `options.cuts` and
+/// `options.contrast` are not looked at.
 ///
 /// # Errors
 /// As [`paste`].
@@ -473,6 +481,9 @@ impl Covered {
         let (seen, whole) = see_without_holes(mesh, &mut lapped, &lists, &masks, &pitch, cull);
         statistics.cuts.given_up = whole;
         let left = order::cull(&mut lapped, &seen);
+        if asked.contrast {
+            statistics.contrast = choose_agreements(mesh, &mut lapped, &masks);
+        }
         edges = permute(edges, &left);
         seedings = permute(seedings, &left);
         let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);

@@ -192,7 +192,7 @@ mod tests {
         let (patches, _) = make_patches(&exemplar, 0, &[spec], &PatchOptions::default()).expect("patches");
         let (lapped, seedings, _) = cover(mesh, guide, vec![exemplar], patches, &[], &PasteOptions::default(), &Silent)
             .expect("a paste")
-            .finish(mesh, Finish { windows: true, cuts: true }, &Silent);
+            .finish(mesh, Finish { windows: true, cuts: true, contrast: false }, &Silent);
         (lapped, seedings)
     }
 

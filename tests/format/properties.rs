@@ -79,7 +79,7 @@ fn record() -> Vec<u8> {
         weight: 1.0,
         slides: false,
     };
-    let paste = Paste { patch: 0, faces: vec![1, 0], uv: vec![[Vec2::ZERO; 3]; 2], offset: Vec2::X, cut: None };
+    let paste = Paste { patch: 0, faces: vec![1, 0], uv: vec![[Vec2::ZERO; 3]; 2], offset: Vec2::X, cut: None, agreement: 200 };
     record.lapped = LappedTexture {
         exemplars: vec![Exemplar::new("e", Image::from_fn(4, 4, |_, _| Vec3::ONE))],
         patches: vec![patch],

@@ -79,7 +79,7 @@ fn full_record() -> Record {
             let mut uv = || Vec2::new(r.range(-0.5, 1.5) as f32, r.unit() as f32);
             let uv = (0..count).map(|_| [uv(), uv(), uv()]).collect();
             let cut = (k % 2 == 0).then(|| cut(&mut r));
-            Paste { patch: r.below(3) as u16, faces: on, uv, offset: Vec2::new(k as f32, -0.5), cut }
+            Paste { patch: r.below(3) as u16, faces: on, uv, offset: Vec2::new(k as f32, -0.5), cut, agreement: r.below(256) as u8 }
         })
         .collect();
     let upper = Layer { name: "upper".into(), pastes: pastes.len() as u32 - 1, weights: vec![[0.25, 1.0, 0.0]; faces] };

@@ -9,8 +9,10 @@
 use crate::common::{compare, pasted, pasted_with, renderers};
 use glam::{DVec3, Vec3, Vec4};
 use lapped::exemplar::{Channel, ChannelSet, Image, TexturePatch};
+use lapped::job::{ExemplarInput, PasteJob, Scale, paste_model};
 use lapped::mesh::{Mesh, SurfacePoint};
 use lapped::paste::{Composite, LappedTexture, Paste};
+use lapped::progress::Silent;
 use lapped::render::gpu::{Filter, Forward, GpuError, Path, Renderer, RendererOptions};
 use lapped::render::{Background, DrawOptions, Grid, Picture, Stage, View, Visibility};
 use lapped::surface::{SurfaceTexture, Texel};
@@ -76,6 +78,21 @@ fn the_demos_look_the_same_in_all_modes() {
         let options = DrawOptions { background: Background::Transparent, ..DrawOptions::default() };
         agree(&name, &pasted.mesh, &pasted.lapped, &options, "yaw=200,pitch=-20,fov=0", grid);
     }
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn transitions_that_keep_contrast_look_the_same_in_all_modes() {
+    let inputs = ["stone", "moss"].map(|name| ExemplarInput {
+        exemplar: lapped::assets::exemplar(name).unwrap(),
+        weight: 1.0,
+        patches: Vec::new(),
+    });
+    let job = PasteJob { scale: Scale::Ratio(30.0), feather: Some(40.0), ..PasteJob::default() };
+    let mut pasted = paste_model(&lapped::assets::mesh("vase").unwrap(), inputs.into(), &job, &Silent).unwrap();
+    pasted.lapped.pastes.iter_mut().zip((0..200).cycle().step_by(23)).for_each(|(paste, agreement)| paste.agreement = agreement);
+    let grid = Grid { width: 260, height: 220, samples: 2 };
+    agree("contrast", &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", grid);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::common::{checks, compare, flat, pasted, renderer, renderers, round_patch, scattered};
 use glam::{Vec2, Vec3};
-use lapped::paste::{Composite, LappedTexture, Paste};
+use lapped::paste::{AGREES, Composite, LappedTexture, Paste};
 use lapped::render::gpu::{Canvas, Gpu, GpuError, GpuOptions, Path, shaders};
 use lapped::render::{DrawOptions, Grid, Stage, View, Visibility};
 
@@ -148,7 +148,14 @@ fn lists_of_more_than_128_mebibytes_are_drawn() {
     // Nine layers over everything, the mask's middle stretched over all faces.
     let uv: Vec<[Vec2; 3]> =
         faces.iter().map(|&f| mesh.corners(f).map(|p| Vec2::new(0.5 + 0.2 * p.x as f32, 0.5 - 0.2 * p.y as f32))).collect();
-    let layer = |k: u32| Paste { patch: 0, faces: faces.clone(), uv: uv.clone(), offset: Vec2::splat(k as f32), cut: None };
+    let layer = |k: u32| Paste {
+        patch: 0,
+        faces: faces.clone(),
+        uv: uv.clone(),
+        offset: Vec2::splat(k as f32),
+        cut: None,
+        agreement: AGREES,
+    };
     let pastes: Vec<Paste> = (0..9).map(layer).collect();
     let lapped = LappedTexture { exemplars: vec![checks(64)], patches: vec![round_patch(32, [0, 0])], pastes, layers: Vec::new() };
     let options = DrawOptions { occlusion: false, ..DrawOptions::default() };

@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod contrast;
 mod corpus;
 mod coverage;
 mod cuts;

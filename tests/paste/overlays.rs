@@ -14,7 +14,7 @@ fn pasted(name: &str, overlays: bool, cuts: bool) -> (Vec<Seeding>, PasteStatist
     let patches = patches(name, PatchSource::Splotch);
     let exemplar = assets::exemplar(name).unwrap();
     let covered = cover(&mesh, &along_y(&mesh), vec![exemplar], patches, &[], &options, &Silent).unwrap();
-    let (_, seedings, statistics) = covered.finish(&mesh, Finish { windows: false, cuts }, &Silent);
+    let (_, seedings, statistics) = covered.finish(&mesh, Finish { windows: false, cuts, contrast: false }, &Silent);
     (seedings, statistics)
 }
 

@@ -13,7 +13,7 @@ fn pasted(mesh: &str, exemplar: &str, prune: bool) -> (LappedTexture, PasteStati
     let options = PasteOptions { prune, windows: false, cuts: false, ..PasteOptions::default() };
     let (guide, patches) = (along_y(&mesh), patches(exemplar, PatchSource::Splotch));
     let covered = cover(&mesh, &guide, vec![assets::exemplar(exemplar).unwrap()], patches, &[], &options, &Silent).unwrap();
-    let (lapped, _, statistics) = covered.finish(&mesh, Finish { windows: false, cuts: false }, &Silent);
+    let (lapped, _, statistics) = covered.finish(&mesh, Finish { windows: false, cuts: false, contrast: false }, &Silent);
     (lapped, statistics)
 }
 

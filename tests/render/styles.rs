@@ -7,7 +7,7 @@ use glam::{DVec2, Vec2, Vec3};
 use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
 use lapped::field::{Guide, TangentField};
 use lapped::mesh::Mesh;
-use lapped::paste::{LappedTexture, Paste};
+use lapped::paste::{AGREES, LappedTexture, Paste};
 use lapped::render::{Background, Picture, PreviewStyle, RenderError, SheetOptions, Subject, View, preview};
 
 /// The field whose texture is `scale` units wide with +y up.
@@ -37,7 +37,14 @@ fn pasted(mesh: &Mesh, at: &[(Vec2, f32)]) -> LappedTexture {
             Vec2::new(0.5 + from.x, 0.5 - from.y)
         };
         let faces: Vec<u32> = (0..mesh.face_count() as u32).collect();
-        Paste { patch: 0, uv: mesh.faces.iter().map(|f| f.map(uv)).collect(), faces, offset: Vec2::ZERO, cut: None }
+        Paste {
+            patch: 0,
+            uv: mesh.faces.iter().map(|f| f.map(uv)).collect(),
+            faces,
+            offset: Vec2::ZERO,
+            cut: None,
+            agreement: AGREES,
+        }
     };
     LappedTexture {
         exemplars: vec![exemplar],

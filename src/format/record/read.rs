@@ -12,7 +12,7 @@ use crate::format::model::{FaceGroup, Model, Source};
 use crate::format::picture::{Transfer, decode};
 use crate::format::{FormatError, read_file};
 use crate::paste::cut::CUT_STEPS;
-use crate::paste::{Cut, LappedTexture, Layer, Paste};
+use crate::paste::{AGREES, Cut, LappedTexture, Layer, Paste};
 use glam::{Vec2, Vec3, Vec4};
 use image::ImageFormat;
 use serde::Deserialize;
@@ -119,6 +119,7 @@ struct PasteTables {
     uv: Option<usize>,
     offset: Option<usize>,
     cut: Option<usize>,
+    agreement: Option<usize>,
 }
 
 fn parse(file: &[u8], folder: Option<&Path>) -> Result<Record, Problem> {
@@ -288,6 +289,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
     let uv = vectors(tables.uv)?;
     let offset = vectors(tables.offset)?;
     let cut = indices(tables.cut)?;
+    let agreement = indices(tables.agreement)?;
     let count = tables.count;
     let lengths = [
         ("patch", patch.len(), count),
@@ -295,6 +297,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
         ("uv", uv.len(), 3 * face.len()),
         ("offset", offset.len(), if tables.offset.is_some() { count } else { 0 }),
         ("cut", cut.len(), if tables.cut.is_some() { CUT_STEPS * count } else { 0 }),
+        ("agreement", agreement.len(), if tables.agreement.is_some() { count } else { 0 }),
     ];
     if let Some((name, has, needed)) = lengths.into_iter().find(|(_, has, needed)| has != needed) {
         return Err(Problem::damaged("pastes", format!("{name} has {has} entries, not {needed}")));
@@ -314,6 +317,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
                 uv: corners[range].iter().map(|c| c.map(Vec2::from_array)).collect(),
                 offset: offset.get(k).map_or(Vec2::ZERO, |&o| Vec2::from_array(o)),
                 cut: cuts.get(k).and_then(read_cut),
+                agreement: agreement.get(k).map_or(AGREES, |&a| a.min(u32::from(AGREES)) as u8),
             })
         })
         .collect()

@@ -8,7 +8,7 @@ use crate::format::gltf::build::{Builder, F32, Shape, U16, U32};
 use crate::format::gltf::scene_out::add_scene;
 use crate::format::picture::{Transfer, encode_png};
 use crate::paste::cut::CUT_STEPS;
-use crate::paste::{Cut, Layer};
+use crate::paste::{AGREES, Cut, Layer};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -140,9 +140,20 @@ impl<'a> Tables<'a> {
         let cut = self.0.accessor(Shape { name: "SCALAR", component: U16, target: None }, steps, |out| {
             pastes.iter().try_for_each(|p| out.write_all(p.cut.as_deref().unwrap_or(&Cut::none()).steps().as_flattened()))
         });
-        for (key, accessor) in
-            [("patch", patch), ("faceOffset", offsets), ("face", face), ("uv", uv), ("offset", offset), ("cut", cut)]
-        {
+        let kept = if pastes.iter().any(|p| p.agreement != AGREES) { pastes.len() } else { 0 };
+        let agreement = self.0.accessor(Shape { name: "SCALAR", component: U16, target: None }, kept, |out| {
+            pastes.iter().try_for_each(|p| out.write_all(&u16::from(p.agreement).to_le_bytes()))
+        });
+        let all = [
+            ("patch", patch),
+            ("faceOffset", offsets),
+            ("face", face),
+            ("uv", uv),
+            ("offset", offset),
+            ("cut", cut),
+            ("agreement", agreement),
+        ];
+        for (key, accessor) in all {
             if let Some(accessor) = accessor {
                 value[key] = accessor.into();
             }

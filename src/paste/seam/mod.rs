@@ -20,10 +20,12 @@
 //! Colours and all other channels count as [`crate::exemplar::stack`] weighs them. Only patches whose content may slide are cut:
 //! other masks follow the exemplar.
 
+mod agree;
 mod hard;
 mod mend;
 mod path;
 
+pub use agree::{ContrastStatistics, choose_agreements};
 pub use mend::see_without_holes;
 
 use super::composite::paste_alpha;
@@ -128,6 +130,23 @@ fn cell_of(uv: Vec2) -> u32 {
     cell.y as u32 * GRID as u32 + cell.x as u32
 }
 
+/// The middles of the cells on a face whose corners lie there over the mask, and where on the face each lies.
+fn cells(corners: &[Vec2; 3]) -> impl Iterator<Item = (Vec2, Vec3)> {
+    let side = GRID as f32;
+    let [a, b, c] = corners.map(|p| p * side);
+    let low = (a.min(b).min(c) - 0.5).ceil().max(Vec2::ZERO);
+    let high = (a.max(b).max(c) - 0.5).floor().min(Vec2::splat(side - 1.0));
+    let turn = (b - a).perp_dot(c - a);
+    let on_face = move |x: usize, y: usize| {
+        let p = Vec2::new(x as f32, y as f32) + 0.5;
+        let bary = Vec3::new((c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)) / turn;
+        (bary.min_element() >= 0.0).then_some((p / side, bary))
+    };
+    // A face that shows nothing has no cells; neither has one whose bounds are not numbers.
+    let rows = if turn != 0.0 && low.cmple(high).all() { low.y as usize..high.y as usize + 1 } else { 0..0 };
+    rows.flat_map(move |y| (low.x as usize..=high.x as usize).filter_map(move |x| on_face(x, y)))
+}
+
 /// A paste against what lies below it, cell by cell.
 struct Comparison {
     /// Squared difference times what the pastes above let through; and that share.
@@ -155,7 +174,6 @@ struct Matcher<'a> {
     /// Hard edges of each paste that show while nothing is cut.
     shown: Vec<Vec<HardEdge>>,
     hidden: EdgesByFace,
-    plans: Vec<Option<Plan>>,
 }
 
 /// Cuts all pastes, once their windows are chosen. Exemplars that tile must say so by their `wrap`; `edges` are the hard edges of each
@@ -163,23 +181,14 @@ struct Matcher<'a> {
 pub fn choose_cuts(mesh: &Mesh, lapped: &mut LappedTexture, masks: &[CoverageMask], edges: &[Vec<HardEdge>]) -> CutStatistics {
     let face_count = mesh.face_count();
     let begin = std::time::Instant::now();
-    let channels = lapped.exemplars.iter().map(Exemplar::channels).reduce(ChannelSet::intersection).unwrap_or_default();
-    let lists = FaceLists::new(face_count, &lapped.pastes);
-    let matcher = Matcher {
-        shown: shown_edges(mesh, lapped, &lists, edges),
-        hidden: EdgesByFace::new(edges),
-        lists,
-        levels: lapped.exemplars.iter().map(|e| Level::of_side(e, channels, LEVEL_SIDE)).collect(),
-        masks,
-        plans: lapped.patches.par_iter().map(|p| p.slides.then(|| Plan::new(p))).collect(),
-        lapped,
-    };
+    let matcher = Matcher::new(mesh, lapped, masks, edges);
+    let plans: Vec<Option<Plan>> = matcher.lapped.patches.par_iter().map(|p| p.slides.then(|| Plan::new(p))).collect();
     let order: Vec<u32> = (0..matcher.lapped.pastes.len() as u32).collect();
     let mut cuts: Vec<Option<Box<Cut>>> = vec![None; order.len()];
     let mut statistics = CutStatistics::default();
     let mut sums = [0.0_f64; 3];
     for wave in waves(face_count, &matcher.lapped.pastes, &order) {
-        let found: Vec<Found> = wave.par_iter().map(|&k| matcher.cut(k, &cuts)).collect();
+        let found: Vec<Found> = wave.par_iter().map(|&k| matcher.cut(k, plans[matcher.patch_of(k)].as_ref(), &cuts)).collect();
         for (&k, found) in wave.iter().zip(found) {
             statistics.cut += usize::from(found.cut.is_some());
             cuts[k as usize] = found.cut;
@@ -193,10 +202,26 @@ pub fn choose_cuts(mesh: &Mesh, lapped: &mut LappedTexture, masks: &[CoverageMas
     statistics
 }
 
-impl Matcher<'_> {
+impl<'a> Matcher<'a> {
+    fn new(mesh: &Mesh, lapped: &'a LappedTexture, masks: &'a [CoverageMask], edges: &[Vec<HardEdge>]) -> Self {
+        let channels = lapped.exemplars.iter().map(Exemplar::channels).reduce(ChannelSet::intersection).unwrap_or_default();
+        let lists = FaceLists::new(mesh.face_count(), &lapped.pastes);
+        Self {
+            shown: shown_edges(mesh, lapped, &lists, edges),
+            hidden: EdgesByFace::new(edges),
+            lists,
+            levels: lapped.exemplars.iter().map(|e| Level::of_side(e, channels, LEVEL_SIDE)).collect(),
+            masks,
+            lapped,
+        }
+    }
+
+    fn patch_of(&self, paste: u32) -> usize {
+        usize::from(self.lapped.pastes[paste as usize].patch)
+    }
+
     /// The cut of one paste.
-    fn cut(&self, k: u32, cuts: &[Option<Box<Cut>>]) -> Found {
-        let plan = self.plans[self.lapped.pastes[k as usize].patch as usize].as_ref();
+    fn cut(&self, k: u32, plan: Option<&Plan>, cuts: &[Option<Box<Cut>>]) -> Found {
         let Some((plan, compared)) = plan.and_then(|plan| Some((plan, self.compare(k, plan, cuts)?))) else {
             return Found::default();
         };
@@ -219,39 +244,23 @@ impl Matcher<'_> {
         let mut compared = Comparison { error: vec![[0.0; 2]; GRID * GRID], least: [0.0; CUT_STEPS], first, hard: Vec::new() };
         let mut any = false;
         let mut below = Vec::new();
-        let side = GRID as f32;
-        let deepest = distance(first) - 4.0 / side;
+        let deepest = distance(first) - 4.0 / GRID as f32;
         for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
-            let [a, b, c] = uv.map(|p| p * side);
-            let low = (a.min(b).min(c) - 0.5).ceil().max(Vec2::ZERO);
-            let high = (a.max(b).max(c) - 0.5).floor().min(Vec2::splat(side - 1.0));
-            let turn = (b - a).perp_dot(c - a);
-            if turn == 0.0 || !low.cmple(high).all() {
-                continue;
-            }
             let list = self.lists.of(face);
             let own = list.partition_point(|&(paste, _)| paste < k);
-            for y in low.y as usize..=high.y as usize {
-                for x in low.x as usize..=high.x as usize {
-                    let cell = y * GRID + x;
-                    let p = Vec2::new(x as f32, y as f32) + 0.5;
-                    let place = Cut::place(p / side);
-                    if plan.alpha[cell] <= 0.0 || place.1 < deepest {
-                        continue;
-                    }
-                    let bary = Vec3::new((c - b).perp_dot(p - b), (a - c).perp_dot(p - c), (b - a).perp_dot(p - a)) / turn;
-                    if bary.min_element() < 0.0 {
-                        continue;
-                    }
-                    let [covered, least] = self.below(&list[..own], bary, cuts, &mut below);
-                    if least < COVERED {
-                        compared.keep_inside(place);
-                        continue;
-                    }
-                    any = true;
-                    let weight = self.seen(list, own, bary);
-                    compared.error[cell] = [weight * self.difference(list[own], bary, covered, &below), weight];
+            for (at, bary) in cells(uv) {
+                let (cell, place) = (cell_of(at) as usize, Cut::place(at));
+                if plan.alpha[cell] <= 0.0 || place.1 < deepest {
+                    continue;
                 }
+                let [covered, least] = self.below(&list[..own], bary, cuts, &mut below);
+                if least < COVERED {
+                    compared.keep_inside(place);
+                    continue;
+                }
+                any = true;
+                let weight = self.seen(list, own, bary);
+                compared.error[cell] = [weight * self.difference(list[own], bary, covered, &below), weight];
             }
         }
         if any {

@@ -12,7 +12,7 @@ use super::error::GpuError;
 use super::shape::{largest, octahedral, words};
 use crate::mesh::Mesh;
 use crate::paste::cut::CUT_STEPS;
-use crate::paste::{FaceLists, LappedTexture, Layer, Paste};
+use crate::paste::{AGREES, FaceLists, LappedTexture, Layer, Paste};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -85,7 +85,8 @@ pub(super) struct Lists {
     pub(super) soft: bool,
 }
 
-/// The pastes, four words each, and after them the cuts, two bytes a step. A paste names where its cut begins, in fours of words;
+/// The pastes, four words each, and after them the cuts, two bytes a step. The first word is a patch, and above it how far the paste is from
+/// agreeing with what lies below. A paste names where its cut begins, in fours of words;
 /// 0: it has none.
 fn paste_table(pastes: &[Paste]) -> Vec<u32> {
     let mut table = Vec::with_capacity(4 * pastes.len());
@@ -93,7 +94,8 @@ fn paste_table(pastes: &[Paste]) -> Vec<u32> {
     for paste in pastes {
         let at = if paste.cut.is_some() { next } else { 0 };
         next += if paste.cut.is_some() { CUT_FOURS } else { 0 };
-        table.extend([u32::from(paste.patch), at, paste.offset.x.to_bits(), paste.offset.y.to_bits()]);
+        let apart = u32::from(AGREES - paste.agreement);
+        table.extend([u32::from(paste.patch) | apart << 16, at, paste.offset.x.to_bits(), paste.offset.y.to_bits()]);
     }
     for cut in pastes.iter().filter_map(|p| p.cut.as_ref()) {
         table.extend(cut.steps().as_chunks::<2>().0.iter().map(|[a, b]| u32::from_le_bytes([a[0], a[1], b[0], b[1]])));
