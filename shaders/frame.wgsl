@@ -116,6 +116,7 @@ struct Ground {
     // Area of the sample on the face.
     footprint: f32,
     to_eye: vec3f,
+    to_light: vec3f,
     front: bool,
     // Distance from the eye along `forward`.
     depth: f32,
@@ -124,7 +125,7 @@ struct Ground {
 // The smallest cosine between ray and normal that widens the footprint.
 const MIN_SLANT = 0.05;
 
-// A face that nothing is known of but how it lies.
+// A face that nothing is known of but how it lies: as if seen and lit straight from above.
 fn spanned(a: vec3f, b: vec3f, c: vec3f) -> Ground {
     var g: Ground;
     g.edge1 = b - a;
@@ -132,6 +133,8 @@ fn spanned(a: vec3f, b: vec3f, c: vec3f) -> Ground {
     let across = cross(g.edge1, g.edge2);
     g.area = length(across);
     g.normal = across / max(g.area, 1e-37);
+    g.to_eye = g.normal;
+    g.to_light = g.normal;
     return g;
 }
 
@@ -147,6 +150,7 @@ fn ground(face: u32, bary: vec3f, at: vec2f) -> Ground {
     let width = select(1.0, g.depth, frame.perspective > 0.5) / frame.scale;
     g.footprint = width * width / max(abs(slant), MIN_SLANT);
     g.to_eye = -normalize(direction);
+    g.to_light = frame.lamps[0].towards;
     g.front = slant < 0.0;
     return g;
 }

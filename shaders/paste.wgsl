@@ -44,7 +44,8 @@ struct Exemplar {
     size: vec2f,
     // Exemplar pixels to stored ones.
     shrink: f32,
-    // `REPEATS`, and whether it has heights: `HEIGHTS`.
+    // `REPEATS`, whether it has heights: `HEIGHTS`, what its frames change with: `BY_VIEW`, `BY_LIGHT`; and above `FRAMES` how many
+    // frames follow it.
     flags: u32,
     // Layers of base colour, normal with height, roughness with metallic and occlusion, emission; -1: it has none.
     layers: vec4i,
@@ -69,6 +70,9 @@ const MARKER = 0xffffffffu;
 const TINT = 0xfffffffeu;
 const REPEATS = 1u;
 const HEIGHTS = 2u;
+const BY_VIEW = 4u;
+const BY_LIGHT = 8u;
+const FRAMES = 8u;
 
 // The weight of the layer below a marker.
 fn layer_weight(entry: Entry, bary: vec3f) -> f32 {
@@ -110,7 +114,29 @@ fn fetch(image: texture_2d_array<f32>, layer: i32, pixel: vec2f, shrink: f32, ov
     return textureSampleLevel(image, filtered, pixel * shrink / size, layer, over.lod + log2(shrink));
 }
 
-// The same of an exemplar, its deviation from the exemplar's mean lifted.
+// The two frames of an exemplar that are mixed at a sample, and the share of the second.
+struct Shown {
+    low: Exemplar,
+    high: Exemplar,
+    part: f32,
+}
+
+// The twin of `Ground::frames` in src/paste/composite.rs.
+fn shown(index: u32, g: Ground) -> Shown {
+    let first = exemplars[index];
+    if (first.flags & (BY_VIEW | BY_LIGHT)) == 0u {
+        return Shown(first, first, 0.0);
+    }
+    let towards_eye = dot(g.to_eye, g.normal);
+    let lit = dot(g.to_light, g.normal) * select(-1.0, 1.0, towards_eye >= 0.0);
+    let cosine = select(abs(towards_eye), lit, (first.flags & BY_LIGHT) != 0u);
+    let steps = first.flags >> FRAMES;
+    let place = acos(clamp(cosine, 0.0, 1.0)) / 1.5707964 * f32(steps);
+    let low = min(u32(place), steps - 1u);
+    return Shown(exemplars[index + low], exemplars[index + low + 1u], clamp(place - f32(low), 0.0, 1.0));
+}
+
+// A channel group of one frame, its deviation from the frame's mean lifted.
 fn lifted(image: texture_2d_array<f32>, layer: i32, pixel: vec2f, exemplar: Exemplar, over: Footprint, lift: f32) -> vec4f {
     let value = fetch(image, layer, pixel, exemplar.shrink, over);
     if lift == 1.0 {
@@ -120,6 +146,15 @@ fn lifted(image: texture_2d_array<f32>, layer: i32, pixel: vec2f, exemplar: Exem
     let coarsest = i32(ceil(log2(max(exemplar.size.x, exemplar.size.y) * exemplar.shrink) - 1e-3));
     let mean = textureLoad(image, vec2i(0), layer, max(coarsest, 0));
     return mean + lift * (value - mean);
+}
+
+// The same of the frames that show. All frames have the same groups.
+fn mixed(image: texture_2d_array<f32>, group: u32, pixel: vec2f, frames: Shown, over: Footprint, lift: f32) -> vec4f {
+    let value = lifted(image, frames.low.layers[group], pixel, frames.low, over, lift);
+    if frames.part <= 0.0 {
+        return value;
+    }
+    return mix(value, lifted(image, frames.high.layers[group], pixel, frames.high, over, lift), frames.part);
 }
 
 fn mask_alpha(piece: Patch, pixel: vec2f, over: Footprint) -> f32 {
@@ -289,6 +324,7 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
     let step1 = on.step1;
     let step2 = on.step2;
 
+    let frames = shown(piece.exemplar, g);
     let exemplar = exemplars[piece.exemplar];
     // World steps of one pixel right and down.
     let side = sign(on.turn);
@@ -300,13 +336,13 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
         place = relief(exemplar, place, slope, frame.parallax * exemplar.size.x, over);
     }
     place = wrapped(exemplar, place);
-    let base = lifted(base_colors, exemplar.layers.x, place, exemplar, over, on.lift);
+    let base = mixed(base_colors, 0u, place, frames, over, on.lift);
     layer.base_color = base.xyz;
     layer.opacity = base.w;
     layer.normal = g.normal;
     layer.height = 0.5;
     if exemplar.layers.y >= 0 {
-        let relief = lifted(normal_maps, exemplar.layers.y, place, exemplar, over, on.lift);
+        let relief = mixed(normal_maps, 1u, place, frames, over, on.lift);
         layer.height = select(layer.height, relief.w, (exemplar.flags & HEIGHTS) != 0u);
         let n = relief.xyz * 2.0 - 1.0;
         layer.normal = right * n.x - below * n.y + g.normal * n.z;
@@ -315,14 +351,14 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
     }
     var gloss = DEFAULT_GLOSS;
     if exemplar.layers.z >= 0 {
-        gloss = lifted(gloss_maps, exemplar.layers.z, place, exemplar, over, on.lift).xyz;
+        gloss = mixed(gloss_maps, 2u, place, frames, over, on.lift).xyz;
     }
     layer.roughness = gloss.x;
     layer.metallic = gloss.y;
     layer.occlusion = gloss.z;
     layer.emissive = vec3f(0.0);
     if exemplar.layers.w >= 0 {
-        layer.emissive = lifted(emissions, exemplar.layers.w, place, exemplar, over, on.lift).xyz;
+        layer.emissive = mixed(emissions, 3u, place, frames, over, on.lift).xyz;
     }
     return layer;
 }

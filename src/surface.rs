@@ -61,6 +61,15 @@ impl Texel {
     }
 }
 
+/// How a point is seen: unit vectors, world space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// To the eye.
+    pub to_eye: Vec3,
+    /// To the main lamp.
+    pub to_light: Vec3,
+}
+
 /// A texture defined on the surface itself.
 pub trait SurfaceTexture: Sync {
     /// The channels it has.
@@ -79,9 +88,9 @@ pub trait SurfaceTexture: Sync {
         }
         Ok(())
     }
-    /// The same as seen from a side: `to_eye` is the unit vector to the eye, world space. Only textures whose relief shifts
-    /// what is seen look different from there.
-    fn texel_seen(&self, at: SurfacePoint, footprint: f32, _to_eye: Vec3) -> Texel {
+    /// The same as seen from a side and in a light. Only textures whose relief shifts what is seen, or that change with either, look
+    /// different from there; without either they are as if seen and lit straight from above.
+    fn texel_seen(&self, at: SurfacePoint, footprint: f32, _sight: &Sight) -> Texel {
         self.texel(at, footprint)
     }
 }

@@ -5,6 +5,8 @@
 use super::Common;
 use super::bar::Bar;
 use super::render::{Mode, RenderArgs, texture_of};
+#[cfg(feature = "gpu")]
+use crate::exemplar::{Exemplar, frames::duration};
 use crate::mesh::Mesh;
 use crate::paste::LappedTexture;
 use crate::progress::Progress;
@@ -164,11 +166,12 @@ impl Brush {
         Ok(())
     }
 
-    /// One picture of each of the meshes that a moving one becomes, handed over as soon as it is drawn.
+    /// One picture of each moment: of what a moving mesh becomes, and with exemplars as they are so many seconds on. Each is handed over as
+    /// soon as it is drawn.
     #[allow(clippy::too_many_arguments, reason = "what is drawn, by what light, and where it goes")]
     pub(super) fn play(
         &self,
-        meshes: impl ExactSizeIterator<Item = anyhow::Result<Mesh>>,
+        moments: impl ExactSizeIterator<Item = anyhow::Result<(Mesh, f64)>>,
         lapped: Option<&LappedTexture>,
         options: &SheetOptions,
         camera: &Camera,
@@ -179,9 +182,9 @@ impl Brush {
         #[cfg(feature = "gpu")]
         let mut loaded = None;
         let bar = Bar::new(common.quiet);
-        bar.stage("drawing", meshes.len() as u64);
-        for (done, mesh) in meshes.enumerate() {
-            let mesh = mesh?;
+        bar.stage("drawing", moments.len() as u64);
+        for (done, moment) in moments.enumerate() {
+            let (mesh, seconds) = moment?;
             bar.done(done as u64);
             let stage = Stage::new(&mesh, &options.draw);
             #[cfg(feature = "gpu")]
@@ -193,11 +196,15 @@ impl Brush {
                     }
                     None => loaded.insert(load(renderer, &stage, lapped, None, common)?),
                 };
+                if let Some(lapped) = lapped.filter(|l| duration(&l.exemplars) > 0.0) {
+                    let now: Vec<Exemplar> = lapped.exemplars.iter().map(|e| e.at(seconds)).collect();
+                    subject.set_patches(renderer.load_patches(&now, &lapped.patches)?.into())?;
+                }
                 each(renderer.draw(subject, &stage, camera, grid, *path)?)?;
                 continue;
             }
             let parallax = self.parallax();
-            each(stage.draw(texture_of(&mesh, lapped, parallax).as_ref(), &Visibility::new(&mesh, camera, grid)?))?;
+            each(stage.draw(texture_of(&mesh, lapped, parallax, seconds).as_ref(), &Visibility::new(&mesh, camera, grid)?))?;
         }
         bar.finish();
         Ok(())

@@ -1,7 +1,7 @@
 //! Flags that name the images of single channels.
 
-use crate::exemplar::Channel;
-use crate::format::{ExemplarOptions, NormalConvention};
+use crate::exemplar::{Channel, FramesBy};
+use crate::format::{ExemplarOptions, FRAMES_PER_SECOND, FrameOptions, FrameSource, NormalConvention};
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -37,6 +37,43 @@ pub struct ChannelArgs {
     /// Take slow changes of light out of each exemplar's colour, as of a photograph that is lit from one side
     #[arg(long)]
     pub equalize: bool,
+    /// What an exemplar's frames change with: time, the angle to the eye (view), to the main lamp (light); first takes only the first
+    /// [default: time, if the image is animated]
+    #[arg(long, value_enum, value_name = "BY")]
+    pub frames: Option<FramesArg>,
+    /// The frames are files that are numbered on from the one named, like fire_01.png
+    #[arg(long, conflicts_with = "sprites")]
+    pub sequence: bool,
+    /// The frames are cells of the image, so many across and down
+    #[arg(long, value_name = "COLSxROWS", value_parser = cells)]
+    pub sprites: Option<[u32; 2]>,
+    /// Frames a second, where the file does not say [default: 12]
+    #[arg(long, value_name = "N", value_parser = per_second)]
+    pub fps: Option<f64>,
+}
+
+/// What [`ChannelArgs::frames`] may say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum FramesArg {
+    /// Seconds
+    Time,
+    /// The angle between the surface and the eye
+    View,
+    /// The angle between the surface and the main lamp
+    Light,
+    /// Nothing: the first frame alone
+    First,
+}
+
+/// Cells of a sheet, across and down.
+fn cells(text: &str) -> Result<[u32; 2], String> {
+    let [across, down] = text.parse::<super::picture::Size>().map_err(|_| "say how many cells there are, as in 4x2".to_owned())?.0;
+    Ok([across, down])
+}
+
+fn per_second(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|n| *n > 0.0 && n.is_finite());
+    number.ok_or_else(|| "give a number of frames above 0".to_owned())
 }
 
 /// Names of [`NormalConvention`].
@@ -75,6 +112,19 @@ impl ChannelArgs {
             ConventionArg::Opengl => Some(NormalConvention::OpenGl),
             ConventionArg::Directx => Some(NormalConvention::DirectX),
         };
-        ExemplarOptions { channels: self.files(), alone, normal, equalize: self.equalize, ..ExemplarOptions::default() }
+        let from = match (self.frames, self.sprites) {
+            (Some(FramesArg::First), _) => FrameSource::First,
+            (_, Some(cells)) => FrameSource::Sprites(cells),
+            _ if self.sequence => FrameSource::Sequence,
+            _ => FrameSource::File,
+        };
+        let by = match self.frames {
+            Some(FramesArg::Time) => Some(FramesBy::Time),
+            Some(FramesArg::View) => Some(FramesBy::View),
+            Some(FramesArg::Light) => Some(FramesBy::Light),
+            Some(FramesArg::First) | None => None,
+        };
+        let frames = FrameOptions { from, by, per_second: self.fps.unwrap_or(FRAMES_PER_SECOND) };
+        ExemplarOptions { channels: self.files(), alone, normal, equalize: self.equalize, frames, ..ExemplarOptions::default() }
     }
 }

@@ -35,6 +35,9 @@ Examples:
   Bricks on the faces of one material only, and a whole model in one run from a job file:
       lapped paste house.glb bricks.png -o house-lapped.glb --where material=wall --border 0.1
       lapped paste house.glb --job house.toml -o house-lapped.glb
+  Lava that flows, sixteen frames of it in one image; velvet that changes with the view, from facing to grazing in three images:
+      lapped paste rock.ply lava.png -o lava.glb --sprites 4x4 --fps 8
+      lapped paste chair.obj velvet_1.png -o chair.glb --sequence --frames view
   A larger bake with wider gutters, or none at all:
       lapped paste rock.ply moss.jpg -o rock.glb --size 4096 --mips 4
       lapped paste rock.ply moss.jpg -o rock.glb --no-bake
@@ -119,7 +122,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 36] = [
+const OF_A_REGION: [&str; 40] = [
     "exemplars",
     "scale",
     "ratio",
@@ -147,6 +150,10 @@ const OF_A_REGION: [&str; 36] = [
     "opacity",
     "normal_convention",
     "equalize",
+    "frames",
+    "sequence",
+    "sprites",
+    "fps",
     "seed",
     "distortion",
     "predictor",

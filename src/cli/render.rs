@@ -5,6 +5,7 @@ use super::picture::{self, Size};
 use super::{Common, report};
 use crate::atlas::AtlasTexture;
 use crate::exemplar::ChannelSet;
+use crate::exemplar::frames::duration;
 use crate::field::{Guide, TangentField};
 use crate::format::{
     Look, Model, check_output, holds_record, read_file, read_look_bytes, read_model_bytes, read_record_bytes, write_file,
@@ -35,6 +36,7 @@ Examples:
   lapped render bunny.glb -o turn.gif --turntable 36 --size 400x400    also .apng, or a folder of PNG files
   lapped render fox.glb -o run.apng --play --animation Run             a model's own animation
   lapped render fox.glb -o fox.png --time 0.4 --camera left
+  lapped render lava.glb -o lava.gif --play                            exemplars that change with time
   lapped render bunny.glb -o bunny.png --mode single --adapter vulkan
   lapped render bunny.glb -o baked.png --mode atlas                    the bake, as other tools show it
   lapped render bunny.glb -o pastes.png --style pastes")]
@@ -61,10 +63,10 @@ pub struct RenderArgs {
     /// A full turn in so many pictures
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=3600))]
     pub turntable: Option<u32>,
-    /// Draw the model so many seconds into its animation
+    /// Draw the model so many seconds into its animation, and into that of exemplars that change with time
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_hyphen_values = true)]
     pub time: Option<f64>,
-    /// Play the model's animation, 24 pictures a second
+    /// Play the model's animation, and that of its exemplars, 24 pictures a second
     #[arg(long, conflicts_with_all = ["time", "turntable"])]
     pub play: bool,
     /// Which animation --time and --play mean: its name, or its number from 0 [default: 0]
@@ -170,22 +172,33 @@ impl Shown {
     }
 }
 
-/// The animation that is asked for, if one is.
-fn animation_of<'a>(moving: Option<&'a Moving>, args: &RenderArgs) -> anyhow::Result<Option<(&'a Moving, usize)>> {
+/// The animation of the model that is asked for, if one is. A model that stands still may have a texture that `changes`.
+fn animation_of<'a>(moving: Option<&'a Moving>, changes: bool, args: &RenderArgs) -> anyhow::Result<Option<(&'a Moving, usize)>> {
     if args.time.is_none() && !args.play {
         anyhow::ensure!(args.animation.is_none(), "--animation says which one is drawn: add --time SECONDS or --play");
         return Ok(None);
     }
     let moving = moving.filter(|m| !m.motion.animations.is_empty());
-    let moving = moving.context("the model has no animation: export it with one, or leave out --time and --play")?;
+    if moving.is_none() && changes && args.animation.is_none() {
+        return Ok(None);
+    }
+    let moving = moving.context(
+        "neither the model nor its texture has an animation: export it with one, paste an animated exemplar, or leave out --time and \
+         --play",
+    )?;
     let number = args.animation.as_ref().map_or(Ok(0), |name| moving.motion.find(name))?;
     Ok(Some((moving, number)))
 }
 
 /// What lies on a mesh.
-pub(super) fn texture_of<'a>(mesh: &'a Mesh, lapped: Option<&'a LappedTexture>, parallax: f32) -> Box<dyn SurfaceTexture + 'a> {
+pub(super) fn texture_of<'a>(
+    mesh: &'a Mesh,
+    lapped: Option<&'a LappedTexture>,
+    parallax: f32,
+    seconds: f64,
+) -> Box<dyn SurfaceTexture + 'a> {
     match lapped {
-        Some(lapped) => Box::new(Composite::new(mesh, lapped).with_parallax(parallax)),
+        Some(lapped) => Box::new(Composite::new(mesh, lapped).with_parallax(parallax).with_time(seconds)),
         None => Box::new(Bare(mesh)),
     }
 }
@@ -217,14 +230,18 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let name = || args.model.display().to_string();
     let brush = Brush::new(args)?;
     let moves = args.time.is_some() || args.play;
-    let Shown { mut mesh, lapped, field, moving, look, painted } = Shown::read(&args.model, args.mode, moves)?;
+    let Shown { mut mesh, mut lapped, field, moving, look, painted } = Shown::read(&args.model, args.mode, moves)?;
     let plain = painted.is_some() && args.mode == Mode::Auto;
     let brush = if look.is_some() || plain { Brush::Reference(0.0) } else { brush };
     let read_seconds = begin.elapsed().as_secs_f64();
     let up = picture::up_axis(args.up);
     let mut options = picture::views(args.camera, args.size.0, args.samples, args.transparent, up);
     let start = Instant::now();
-    let played = animation_of(moving.as_ref(), args).with_context(name)?;
+    let changing = lapped.as_ref().map_or(0.0, |l| duration(&l.exemplars));
+    let played = animation_of(moving.as_ref(), changing > 0.0, args).with_context(name)?;
+    if let (Some(time), Some(lapped)) = (args.time, &mut lapped) {
+        lapped.exemplars.iter_mut().for_each(|e| *e = e.at(time));
+    }
     if played.is_some() {
         // The same creases in all pictures.
         options.draw.crease = Some(crease_angle(&mesh));
@@ -233,8 +250,10 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let grid = Grid { width: args.size.0[0], height: args.size.0[1], samples: args.samples };
     let lapped = lapped.as_ref();
     let pictures = match played {
-        Some((moving, animation)) if args.play => {
-            play(&brush, moving, animation, lapped, &view, grid, &mut options, args).with_context(name)?
+        _ if args.play => {
+            let duration = played.map_or(0.0, |(moving, animation)| moving.motion.animations[animation].duration());
+            let film = Played { mesh: &mesh, moving: played, lapped, duration: duration.max(changing) };
+            play(&brush, &film, &view, grid, &mut options, args).with_context(name)?
         }
         _ => {
             if let (Some((moving, animation)), Some(time)) = (played, args.time) {
@@ -247,7 +266,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             let texture: Box<dyn SurfaceTexture + '_> = match look {
                 Some((at, look)) => Box::new(AtlasTexture::new(&mesh, at.uv, at.page, look.pages, at.frames)),
                 None => painted.map_or_else(
-                    || texture_of(&mesh, lapped, args.parallax),
+                    || texture_of(&mesh, lapped, args.parallax, 0.0),
                     |painted| Box::new(painted) as Box<dyn SurfaceTexture>,
                 ),
             };
@@ -305,35 +324,51 @@ const MOST_PICTURES: f64 = 3600.0;
 /// The most vertices of all its pictures together that the camera looks at to keep them in sight.
 const FRAMED: usize = 1 << 21;
 
+/// What is played.
+struct Played<'a> {
+    mesh: &'a Mesh,
+    /// How the model moves, if it does.
+    moving: Option<(&'a Moving, usize)>,
+    lapped: Option<&'a LappedTexture>,
+    duration: f64,
+}
+
+impl Played<'_> {
+    fn mesh(&self, seconds: f64) -> anyhow::Result<Mesh> {
+        Ok(match self.moving {
+            Some((moving, animation)) => moving.at(Some(animation), seconds)?,
+            None => self.mesh.clone(),
+        })
+    }
+}
+
 /// Draws and saves the pictures of an animation, all seen by one camera and over one ground; how many there are.
-#[allow(clippy::too_many_arguments, reason = "what is drawn, by what, and how")]
 fn play(
     brush: &Brush,
-    moving: &Moving,
-    animation: usize,
-    lapped: Option<&LappedTexture>,
+    film: &Played<'_>,
     view: &View,
     grid: Grid,
     options: &mut SheetOptions,
     args: &RenderArgs,
 ) -> anyhow::Result<u32> {
-    let duration = moving.motion.animations[animation].duration();
+    let duration = film.duration;
     let count = (duration * f64::from(PER_SECOND)).ceil().max(1.0);
     if count > MOST_PICTURES {
         anyhow::bail!("the animation lasts {duration:.0} s, which is {count:.0} pictures: draw single ones with --time");
     }
-    let moment = |k: u32| moving.at(Some(animation), f64::from(k) / f64::from(PER_SECOND));
+    let seconds = |k: u32| f64::from(k) / f64::from(PER_SECOND);
     let mut seen = Vec::new();
-    for k in 0..count as u32 {
-        let mesh = moment(k)?;
-        let step = (mesh.vertex_count() * count as usize).div_ceil(FRAMED).max(1);
+    let poses = if film.moving.is_some() { count as u32 } else { 1 };
+    for k in 0..poses {
+        let mesh = film.mesh(seconds(k))?;
+        let step = (mesh.vertex_count() * poses as usize).div_ceil(FRAMED).max(1);
         seen.extend(mesh.positions.iter().step_by(step).map(|p| p.as_dvec3()));
     }
     let camera = view.frame_points(seen.iter().copied(), grid.aspect());
     options.draw.floor = seen.iter().map(|p| p.dot(camera.world_up)).reduce(f64::min);
-    let meshes = (0..count as u32).map(|k| Ok(moment(k)?));
+    let moments = (0..count as u32).map(|k| Ok((film.mesh(seconds(k))?, seconds(k))));
     save_film(&args.output, args.size.0, count as u32, |each| {
-        brush.play(meshes, lapped, options, &camera, grid, &args.common, each)
+        brush.play(moments, film.lapped, options, &camera, grid, &args.common, each)
     })?;
     Ok(count as u32)
 }

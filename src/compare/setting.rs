@@ -70,6 +70,7 @@ impl Default for SettingOptions {
 /// The exemplar as all methods use it: its colour alone, at most so large.
 fn brought(exemplar: &Exemplar, side: u32) -> Result<Exemplar, CompareError> {
     let mut own = exemplar.clone();
+    own.remove_frames();
     extend_exemplar(&mut own)?;
     Channel::ALL.into_iter().filter(|c| *c != Channel::BaseColor).for_each(|c| own.remove(c));
     let longer = own.size()[0].max(own.size()[1]);

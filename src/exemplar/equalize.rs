@@ -39,8 +39,13 @@ pub struct Evened {
     pub clipped: f32,
 }
 
-/// Takes slow changes of light out of an exemplar's base colour. Its other channels stay as they are.
+/// Takes slow changes of light out of an exemplar's base colour, of each frame by itself. Its other channels stay as they are, and what
+/// is told is of the first frame.
 pub fn equalize(exemplar: &mut Exemplar) -> Evened {
+    let Ok(()) = exemplar.change_others(|other| {
+        equalize(other);
+        Ok::<(), std::convert::Infallible>(())
+    });
     let none = Evened { varied: 0.0, clipped: 0.0 };
     let Some(color) = exemplar.channel(Channel::BaseColor) else { return none };
     let level = color.levels().iter().position(|image| image.size().into_iter().max() <= Some(SIDE)).unwrap_or(0);

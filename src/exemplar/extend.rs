@@ -22,6 +22,7 @@ const SOLID: f32 = 254.0 / 255.0;
 /// # Errors
 /// None beyond those of [`Exemplar::set`], which its own channels do not meet.
 pub fn extend_exemplar(exemplar: &mut Exemplar) -> Result<(), ExemplarError> {
+    exemplar.change_others(extend_exemplar)?;
     let Some(opacity) = exemplar.channel(Channel::Opacity).map(|chain| chain.finest().clone()) else { return Ok(()) };
     if opacity.data().iter().all(|&o| o >= SOLID) || opacity.data().iter().all(|&o| o <= 0.0) {
         return Ok(());

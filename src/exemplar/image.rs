@@ -160,6 +160,12 @@ impl MipChain {
         &self.levels[0]
     }
 
+    /// True if one is a copy of the other.
+    #[must_use]
+    pub fn shares_pixels(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.levels, &other.levels)
+    }
+
     /// The one pixel of the coarsest level: the mean of all, if sides are powers of two; else those at the right and lower edge count
     /// for more.
     #[must_use]

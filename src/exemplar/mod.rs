@@ -7,6 +7,7 @@ mod coverage_mask;
 pub mod distance;
 mod equalize;
 pub mod extend;
+pub mod frames;
 pub mod hull;
 pub mod image;
 pub mod mask;
@@ -21,6 +22,7 @@ mod untangle;
 
 pub use coverage_mask::ERODED_RADII;
 pub use equalize::{Evened, equalize};
+pub use frames::{Frames, FramesBy};
 pub use hull::Hull;
 pub use image::{Image, MipChain};
 pub use mask::CoverageMask;
@@ -146,6 +148,7 @@ pub struct Exemplar {
     pub wrap: Wrap,
     size: [u32; 2],
     channels: Vec<(Channel, MipChain)>,
+    frames: Option<Frames>,
 }
 
 impl Exemplar {
@@ -153,10 +156,16 @@ impl Exemplar {
     #[must_use]
     pub fn new(name: impl Into<String>, base_color: Image) -> Self {
         let size = base_color.size();
-        Self { name: name.into(), wrap: Wrap::Clamp, size, channels: vec![(Channel::BaseColor, MipChain::new(base_color))] }
+        Self {
+            name: name.into(),
+            wrap: Wrap::Clamp,
+            size,
+            channels: vec![(Channel::BaseColor, MipChain::new(base_color))],
+            frames: None,
+        }
     }
 
-    /// Adds or replaces a channel.
+    /// Adds or replaces a channel; of one that changes, of its first frame.
     ///
     /// # Errors
     /// If its size or number of components does not fit.
@@ -179,9 +188,13 @@ impl Exemplar {
         Ok(())
     }
 
-    /// Takes a channel out; the base colour stays.
+    /// Takes a channel out, of all frames; the base colour stays.
     pub fn remove(&mut self, channel: Channel) {
         self.channels.retain(|(c, _)| *c != channel || *c == Channel::BaseColor);
+        let Ok(()) = self.change_others(|other| {
+            other.remove(channel);
+            Ok::<(), std::convert::Infallible>(())
+        });
     }
 
     /// Width and height in pixels.
@@ -253,6 +266,14 @@ pub enum ExemplarError {
         what: String,
         /// Pixels needed.
         need: f32,
+        /// What to do.
+        remedy: String,
+    },
+    /// Frames that do not belong together.
+    #[error("{what}: {remedy}")]
+    BadFrames {
+        /// What is wrong.
+        what: String,
         /// What to do.
         remedy: String,
     },

@@ -156,6 +156,11 @@ pub fn resized(exemplar: &Exemplar, size: [u32; 2]) -> Cow<'_, Exemplar> {
         // Size and components are those of the channel itself.
         let _fits = of(channel).map(|image| out.set(channel, image));
     }
+    if let Some(frames) = exemplar.frames() {
+        let others = frames.others().iter().map(|other| resized(other, size).into_owned()).collect();
+        // They fitted before, and all are of one size again.
+        let _fits = out.set_frames(frames.by(), others, frames.seconds().to_vec());
+    }
     Cow::Owned(out)
 }
 

@@ -7,6 +7,7 @@
 pub(crate) mod corners;
 mod error;
 pub mod export;
+mod frames;
 mod gltf;
 mod ktx2;
 mod look;
@@ -26,7 +27,9 @@ pub mod vertices;
 
 pub use error::{FormatError, Warning};
 pub use look::{Look, read_look, read_look_bytes};
-pub use material::{ExemplarOptions, NormalConvention, read_exemplar, read_exemplar_bytes, read_mask};
+pub use material::{
+    ExemplarOptions, FRAMES_PER_SECOND, FrameOptions, FrameSource, NormalConvention, read_exemplar, read_exemplar_bytes, read_mask,
+};
 pub use model::{FaceGroup, Model, Source};
 pub use motion::{Motion, MotionError};
 pub use output::{abandon_outputs, check_output, write_file};

@@ -15,7 +15,7 @@ use std::path::Path;
 /// Widest and highest image that is read. Larger ones are of no use as exemplars.
 const MOST_PIXELS_ACROSS: u32 = 32_768;
 /// Most pixels of an image: 8192 x 8192, which as floats with their mip levels are 1 GiB a colour channel.
-const MOST_PIXELS: u64 = 1 << 26;
+pub(super) const MOST_PIXELS: u64 = 1 << 26;
 /// Most bytes a decoder may allocate: four floats a pixel of the largest image, and its own needs.
 const MOST_BYTES: u64 = 20 * MOST_PIXELS;
 
@@ -123,14 +123,14 @@ fn explain(error: &image::ImageError) -> Problem {
     }
 }
 
-fn too_large(this_one: &str) -> Problem {
+pub(super) fn too_large(this_one: &str) -> Problem {
     let most = MOST_PIXELS >> 20;
     let what = format!("images of up to {MOST_PIXELS_ACROSS} pixels across and {most} megapixels are read, this one {this_one}");
     Problem::new("", what, "scale it down")
 }
 
 /// Components and alpha as floats. `None` if the image has no pixels.
-fn to_picture(image: &DynamicImage, transfer: Transfer) -> Option<Picture> {
+pub(super) fn to_picture(image: &DynamicImage, transfer: Transfer) -> Option<Picture> {
     match image {
         DynamicImage::ImageLuma8(i) => from_whole::<u8, 1>(i, image, transfer),
         DynamicImage::ImageLumaA8(i) => from_whole::<u8, 2>(i, image, transfer),

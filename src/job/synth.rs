@@ -165,7 +165,7 @@ pub struct Synthesized {
     pub report: SynthReport,
 }
 
-/// The exemplar as a job uses it.
+/// The exemplar as a job uses it: of one that changes, its first frame.
 #[must_use]
 pub fn prepared(exemplar: &Exemplar, side: Option<u32>, wraps: Option<bool>) -> Exemplar {
     let [w, h] = exemplar.size();
@@ -173,6 +173,7 @@ pub fn prepared(exemplar: &Exemplar, side: Option<u32>, wraps: Option<bool>) -> 
     let to = side.unwrap_or_else(|| longer.min(SIDE)).max(1);
     let scaled = |n: u32| ((f64::from(n) * f64::from(to) / f64::from(longer)).round() as u32).max(1);
     let mut out = resized(exemplar, [scaled(w), scaled(h)]).into_owned();
+    out.remove_frames();
     let wraps = wraps.unwrap_or_else(|| exemplar.wrap == Wrap::Repeat || tiles(&out));
     out.wrap = if wraps { Wrap::Repeat } else { Wrap::Clamp };
     out

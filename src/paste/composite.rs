@@ -8,10 +8,12 @@ use super::contrast::faded;
 use super::lapped::{AGREES, FaceLists, LappedTexture, Layer, Paste};
 use super::relief::{LEAST_COSINE, met};
 use super::stencil::pixel_blur;
-use crate::exemplar::{Channel, ChannelSet, TexturePatch, Wrap};
+use crate::exemplar::frames::duration;
+use crate::exemplar::{Channel, ChannelSet, Exemplar, FramesBy, TexturePatch, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
-use crate::surface::{SurfaceTexture, Texel};
+use crate::surface::{Sight, SurfaceTexture, Texel};
 use glam::{DVec3, Vec2, Vec3};
+use std::borrow::Cow;
 
 /// What is left to see through below this cannot change an 8-bit picture.
 const NOTHING_LEFT: f32 = 1.0 / 512.0;
@@ -30,6 +32,8 @@ pub struct Composite<'a> {
     layer_ends: Vec<u32>,
     /// A paste keeps contrast, so that sums may leave the range of a channel.
     lifted: bool,
+    /// What patches refer to, as it is at the moment that is shown.
+    exemplars: Cow<'a, [Exemplar]>,
     /// Depth of relief shown by parallax, in exemplar widths.
     parallax: f32,
 }
@@ -95,13 +99,22 @@ impl<'a> Composite<'a> {
         };
         let layer_ends = lapped.layers.iter().scan(0, ends).collect();
         let lifted = lapped.pastes.iter().any(|p| p.agreement != AGREES);
-        Self { mesh, lapped, lists, channels, layer_ends, lifted, parallax: 0.0 }
+        Self { mesh, lapped, lists, channels, layer_ends, lifted, exemplars: Cow::Borrowed(&lapped.exemplars), parallax: 0.0 }
     }
 
     /// Shows the relief of exemplars with a height by parallax, so deep at most, in exemplar widths; 0 shows none.
     #[must_use]
     pub fn with_parallax(mut self, depth: f32) -> Self {
         self.parallax = depth.max(0.0);
+        self
+    }
+
+    /// Shows exemplars that change with time as they are so many seconds after their first frame.
+    #[must_use]
+    pub fn with_time(mut self, seconds: f64) -> Self {
+        if duration(&self.lapped.exemplars) > 0.0 {
+            self.exemplars = self.lapped.exemplars.iter().map(|e| e.at(seconds)).collect();
+        }
         self
     }
 
@@ -135,7 +148,7 @@ impl<'a> Composite<'a> {
     ) -> f32 {
         let paste = &self.lapped.pastes[paste as usize];
         let patch = &self.lapped.patches[paste.patch as usize];
-        let exemplar = &self.lapped.exemplars[patch.exemplar as usize];
+        let exemplar = &self.exemplars[patch.exemplar as usize];
         let image = PixelMap::new(paste, patch, slot);
         let pixel = image.pixel(at.bary);
         let lod = (footprint * image.pixels_per_unit(ground.area)).max(1.0).log2();
@@ -150,7 +163,8 @@ impl<'a> Composite<'a> {
             Wrap::Repeat => place.rem_euclid(size),
         };
         let mut place = exemplar_pixel(patch, paste, pixel);
-        if let (Some(to_eye), Some(height)) = (ground.to_eye, exemplar.channel(Channel::Height)) {
+        let relief = exemplar.channel(Channel::Height).filter(|_| self.parallax > 0.0);
+        if let (Some(Sight { to_eye, .. }), Some(height)) = (ground.sight, relief) {
             let [right, down] = image.axes(ground);
             let cosine = to_eye.dot(ground.normal).abs().max(LEAST_COSINE);
             let slope = Vec2::new(to_eye.dot(right), to_eye.dot(down)) / cosine;
@@ -158,7 +172,12 @@ impl<'a> Composite<'a> {
         }
         let place = wrapped(place);
         let lifted = |v: Vec3, mean: Vec3| if lift == 1.0 { v } else { mean + lift * (v - mean) };
-        let read = |channel: Channel| exemplar.channel(channel).map(|image| lifted(image.sample(place, lod), image.mean()));
+        let (low, high, part) = ground.frames(exemplar);
+        let read_of = |frame: &Exemplar, channel| frame.channel(channel).map(|i| lifted(i.sample(place, lod), i.mean()));
+        let read = |channel: Channel| {
+            let shown = read_of(low, channel)?;
+            Some(if part > 0.0 { shown.lerp(read_of(high, channel)?, part) } else { shown })
+        };
         if let Some(v) = read(Channel::BaseColor) {
             texel.base_color += share * v;
         }
@@ -208,15 +227,29 @@ struct Ground {
     /// Twice the area.
     area: f64,
     normal: Vec3,
-    /// Unit vector to the eye, if relief is shown from there.
-    to_eye: Option<Vec3>,
+    /// From where it is seen and lit, if that is known.
+    sight: Option<Sight>,
 }
 
 impl Ground {
-    fn new(mesh: &Mesh, face: u32, to_eye: Option<Vec3>) -> Self {
+    fn new(mesh: &Mesh, face: u32, sight: Option<Sight>) -> Self {
         let [a, b, c] = mesh.corners(face);
         let area = (b - a).cross(c - a);
-        Self { edges: [b - a, c - a], area: area.length(), normal: area.normalize_or_zero().as_vec3(), to_eye }
+        Self { edges: [b - a, c - a], area: area.length(), normal: area.normalize_or_zero().as_vec3(), sight }
+    }
+
+    /// The two frames of an exemplar that are mixed here, and the share of the second.
+    fn frames<'e>(&self, exemplar: &'e Exemplar) -> (&'e Exemplar, &'e Exemplar, f32) {
+        let seen = exemplar.frames().zip(self.sight).filter(|(frames, _)| frames.by() != FramesBy::Time);
+        let Some((frames, Sight { to_eye, to_light })) = seen else { return (exemplar, exemplar, 0.0) };
+        let towards_eye = to_eye.dot(self.normal);
+        let cosine = match frames.by() {
+            FramesBy::Light => to_light.dot(self.normal) * towards_eye.signum(),
+            FramesBy::View | FramesBy::Time => towards_eye.abs(),
+        };
+        let (low, part) = frames.between(cosine);
+        let frame = |k: usize| k.checked_sub(1).map_or(exemplar, |k| &frames.others()[k]);
+        (frame(low), frame(low + 1), part)
     }
 }
 
@@ -266,9 +299,8 @@ impl SurfaceTexture for Composite<'_> {
         self.composited(&Ground::new(self.mesh, at.face, None), at, footprint)
     }
 
-    fn texel_seen(&self, at: SurfacePoint, footprint: f32, to_eye: Vec3) -> Texel {
-        let to_eye = (self.parallax > 0.0).then_some(to_eye);
-        self.composited(&Ground::new(self.mesh, at.face, to_eye), at, footprint)
+    fn texel_seen(&self, at: SurfacePoint, footprint: f32, sight: &Sight) -> Texel {
+        self.composited(&Ground::new(self.mesh, at.face, Some(*sight)), at, footprint)
     }
 }
 

@@ -18,7 +18,7 @@ use super::shade::{DIELECTRIC, Lighting, PLAIN, Stand, Surface, tone};
 use crate::exemplar::Channel;
 use crate::exemplar::srgb;
 use crate::mesh::{Mesh, NONE};
-use crate::surface::{SurfaceTexture, Texel};
+use crate::surface::{Sight, SurfaceTexture, Texel};
 use glam::{DVec3, Quat, Vec3};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -214,10 +214,14 @@ impl Frame<'_> {
         [r, g, b, to_byte(total)]
     }
 
+    fn sight(&self, hit: &Hit) -> Sight {
+        Sight { to_eye: hit.to_eye.as_vec3(), to_light: self.stage.options.lighting.key(&self.stand) }
+    }
+
     /// Light from a hit towards the eye, and how opaque it is there.
     fn light(&self, hit: &Hit, open: f32) -> (Vec3, f32) {
         let options = &self.stage.options;
-        let texel = self.texture.texel_seen(hit.at, hit.footprint as f32, hit.to_eye.as_vec3());
+        let texel = self.texture.texel_seen(hit.at, hit.footprint as f32, &self.sight(hit));
         let channels = self.texture.channels();
         let cover = texel.alpha.clamp(0.0, 1.0);
         let opacity = if channels.has(Channel::Opacity) { 1.0 - cover * (1.0 - texel.opacity.clamp(0.0, 1.0)) } else { 1.0 };

@@ -119,6 +119,12 @@ impl Lighting {
         Self { lamps: [dark; 3], sky: Vec3::ONE, ground: Vec3::ONE }
     }
 
+    /// Unit vector to the main lamp, world space.
+    #[must_use]
+    pub fn key(&self, stand: &Stand) -> Vec3 {
+        stand.turn(self.lamps[0].towards)
+    }
+
     /// Scaled channel by channel so that a white surface that faces a level camera receives light 1.
     fn balanced(mut self) -> Self {
         let level = Stand { right: Vec3::X, up: Vec3::Y, back: Vec3::Z, world_up: Vec3::Y };

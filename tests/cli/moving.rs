@@ -74,7 +74,7 @@ fn what_can_be_played_is_listed() {
 fn what_cannot_be_played_is_told() {
     let place = tail();
     let render = |model, extra: &[&'static str], code| told(&place, &[&["render", model, "-o", "out/a.png"], extra].concat(), code);
-    assert!(render("mesh.obj", &["--time", "1"], 1).contains("no animation"), "nothing moves");
+    assert!(render("mesh.obj", &["--time", "1"], 1).contains("has an animation"), "nothing moves");
     assert!(render("a.glb", &["--time", "1", "--animation", "walk"], 1).contains("\"bend\""), "the ones there are");
     assert!(render("a.glb", &["--animation", "bend"], 1).contains("--play"), "a name alone");
     assert!(render("a.glb", &["--time", "1", "--style", "stretch"], 1).contains("--time"), "a style of the rest pose");
@@ -82,4 +82,52 @@ fn what_cannot_be_played_is_told() {
     assert!(render("a.glb", &["--play", "--turntable", "9"], 2).contains("--turntable"), "one or the other");
     assert!(render("a.glb", &["--time", "-1"], 2).contains("0 or more"), "before the begin");
     assert!(place.files("out").is_empty(), "and nothing is left behind");
+}
+
+#[test]
+fn an_exemplar_that_changes_is_pasted_drawn_at_a_moment_and_played() {
+    let place = Place::new();
+    // Two cells: dark red blobs, then blue ones.
+    let sheet = image::RgbImage::from_fn(64, 32, |x, y| {
+        let grey = ((x % 32 / 4 * 7 + y / 4 * 5) % 11) as u8 * 12 + 60;
+        image::Rgb(if x < 32 { [grey, 0, 0] } else { [0, 0, grey] })
+    });
+    sheet.save(place.path("sheet.png")).unwrap();
+    let paste = |out: &str, extra: &[&str]| {
+        let args = ["paste", "mesh.obj", "sheet.png", "-o", out, "--ratio", "6", "--no-bake", "--sprites", "2x1"];
+        place.run(&[&args, extra].concat())
+    };
+    let out = paste("out/b.glb", &["--fps", "6"]);
+    let said = text(&out.stdout) + &text(&out.stderr);
+    assert!(out.status.success() && said.contains("2 frames, shown over 0.33 s"), "{said}");
+    let draw = |model: &str, out: &str, extra: &[&str]| {
+        let args = ["render", model, "-o", out, "--size", "40x40", "--samples", "1", "--camera", "front", "--mode", "reference"];
+        place.run(&[&args, extra].concat())
+    };
+    // Sums of red and blue over the model.
+    let colours = |file: &str| {
+        let picture = image::open(place.path(file)).unwrap().into_rgba8();
+        let seen = picture.pixels().filter(|p| p[3] == 255);
+        seen.fold([0_u64; 2], |[red, blue], p| [red + u64::from(p[0]), blue + u64::from(p[2])])
+    };
+    for (time, is_red) in [("0", true), ("0.1", true), ("0.2", false), ("0.4", true)] {
+        let out = draw("out/b.glb", "out/b.png", &["--time", time, "--transparent"]);
+        assert!(out.status.success(), "{}", text(&out.stderr));
+        let [red, blue] = colours("out/b.png");
+        assert_eq!(red > 2 * blue, is_red, "at {time} s: red {red}, blue {blue}");
+        assert_eq!(blue > 2 * red, !is_red, "at {time} s: red {red}, blue {blue}");
+    }
+    assert!(draw("out/b.glb", "out/play", &["--play", "--transparent"]).status.success(), "it is played");
+    let red: Vec<bool> = place.files("out/play").iter().map(|f| colours(&format!("out/play/{f}"))).map(|[r, b]| r > b).collect();
+    assert_eq!(red, [true, true, true, true, false, false, false, false], "24 pictures a second, six frames a second");
+
+    // By view there is nothing to play.
+    assert!(paste("out/v.glb", &["--frames", "view"]).status.success(), "the same cells by view");
+    for (model, extra) in [("out/v.glb", &["--play"][..]), ("mesh.obj", &["--time", "1"])] {
+        let out = draw(model, "out/none", extra);
+        let said = text(&out.stderr);
+        assert!(!out.status.success() && said.contains("neither the model nor its texture has an animation"), "{said}");
+    }
+    let out = paste("out/f.glb", &["--sprites", "3x1"]);
+    assert!(!out.status.success(), "one sheet has one number of cells");
 }

@@ -8,6 +8,7 @@ mod docs;
 mod exemplars;
 #[path = "../common/folder.rs"]
 mod folder;
+mod frames;
 #[path = "../common/glb.rs"]
 mod glb;
 mod gltf;

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "helpers of tests may fail as tests do")]
 
 use glam::{Vec2, Vec3, Vec4};
-use lapped::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wrap};
+use lapped::exemplar::{Channel, Exemplar, FramesBy, Hull, Image, MipChain, TexturePatch, Wrap};
 use lapped::format::{FaceGroup, Model, Record, read_model, read_record, write_record};
 use lapped::paste::cut::CUT_STEPS;
 use lapped::paste::{Cut, LappedTexture, Layer, Paste};
@@ -61,6 +61,13 @@ fn full_record() -> Record {
     let deep = (0..64).map(|_| r.below(65536) as f32 / 65535.0).collect();
     let mut second = Exemplar::new("grey", bytes_image(8, 8, 3, &mut r, lapped::exemplar::srgb::decode));
     second.set(Channel::Height, Image::new(8, 8, 1, deep).unwrap()).unwrap();
+
+    // Three frames, the second with another height.
+    let (mut next, mut last) = (second.clone(), second.clone());
+    let other = (0..64).map(|_| r.below(65536) as f32 / 65535.0).collect();
+    next.set(Channel::Height, Image::new(8, 8, 1, other).unwrap()).unwrap();
+    last.set(Channel::BaseColor, bytes_image(8, 8, 3, &mut r, lapped::exemplar::srgb::decode)).unwrap();
+    second.set_frames(FramesBy::Time, vec![next, last], vec![0.1, 0.25, 1.0 / 3.0]).unwrap();
 
     let patch = |exemplar, random: &mut Random| TexturePatch {
         exemplar,
@@ -128,5 +135,9 @@ fn any_gltf_reader_sees_the_plain_mesh() {
     let indices: Vec<u32> = reader.read_indices().unwrap().into_u32().collect();
     assert_eq!(positions, record.model.positions, "positions seen by another reader");
     assert_eq!(indices, record.model.faces.as_flattened(), "faces seen by another reader");
-    assert_eq!(images.len(), 8 + 2 + 3, "all channels and masks are ordinary images");
+    assert_eq!(
+        images.len(),
+        8 + 2 + 3 + 2,
+        "all channels, masks, and what later frames do not share with the first are ordinary images"
+    );
 }

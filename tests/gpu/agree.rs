@@ -8,7 +8,8 @@
 
 use crate::common::{compare, pasted, pasted_with, renderers};
 use glam::{DVec3, Vec3, Vec4};
-use lapped::exemplar::{Channel, ChannelSet, Image, TexturePatch};
+use lapped::exemplar::stack::resized;
+use lapped::exemplar::{Channel, ChannelSet, Exemplar, FramesBy, Image, TexturePatch};
 use lapped::job::{ExemplarInput, PasteJob, Scale, paste_model};
 use lapped::mesh::{Mesh, SurfacePoint};
 use lapped::paste::{Composite, LappedTexture, Paste};
@@ -93,6 +94,41 @@ fn transitions_that_keep_contrast_look_the_same_in_all_modes() {
     pasted.lapped.pastes.iter_mut().zip((0..200).cycle().step_by(23)).for_each(|(paste, agreement)| paste.agreement = agreement);
     let grid = Grid { width: 260, height: 220, samples: 2 };
     agree("contrast", &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", grid);
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn exemplars_that_change_with_view_or_light_look_the_same_in_all_modes() {
+    let named = |name: &str| lapped::assets::exemplar(name).unwrap();
+    for by in [FramesBy::View, FramesBy::Light] {
+        // Of one size: frames keep to the first's.
+        let [mut first, second, third] = ["moss", "stone", "rust"].map(|name| resized(&named(name), [64, 64]).into_owned());
+        let own = |e: &Exemplar| {
+            let mut plain = e.clone();
+            Channel::ALL.into_iter().for_each(|c| plain.remove(c));
+            plain
+        };
+        first = own(&first);
+        first.set_frames(by, vec![own(&second), own(&third)], Vec::new()).unwrap();
+        let pasted = pasted_with("vase", vec![first, named("stone")], 30.0, false);
+        let still: Vec<Exemplar> = pasted
+            .lapped
+            .exemplars
+            .iter()
+            .map(|e| {
+                let mut still = e.clone();
+                still.remove_frames();
+                still
+            })
+            .collect();
+        let grid = Grid { width: 220, height: 200, samples: 2 };
+        let stage = Stage::new(&pasted.mesh, &DrawOptions::default());
+        let camera = View::default().frame(&pasted.mesh, grid.aspect());
+        let first = reference(&stage, &LappedTexture { exemplars: still, ..pasted.lapped.clone() }, &camera, grid);
+        let mixed = reference(&stage, &pasted.lapped, &camera, grid);
+        assert!(compare(&pasted.mesh, &camera, grid, &first, &mixed).inside > 4.0, "{by:?}: frames are seen");
+        agree(&format!("{by:?}"), &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", grid);
+    }
 }
 
 #[test]

@@ -11,6 +11,7 @@ mod draft;
 mod flat;
 #[path = "../common/folder.rs"]
 mod folder;
+mod frames;
 mod hard;
 mod overlays;
 mod prune;

@@ -6,6 +6,7 @@
 //! 4. Transparency of the base colour's own file becomes the opacity channel. Colours under transparent pixels stay as the
 //!    file has them; extending the opaque ones into them is the caller's next step.
 
+mod frames;
 mod names;
 mod relief;
 mod set;
@@ -14,6 +15,7 @@ use super::error::{FormatError, Problem, Warning};
 use super::picture::{Picture, Transfer, decode};
 use super::read_file;
 use crate::exemplar::{Channel, Evened, Exemplar, Image, MipChain, Wrap, equalize};
+pub use frames::{FRAMES_PER_SECOND, FrameOptions, FrameSource};
 use glam::{Vec2, Vec3};
 use image::ImageFormat;
 use names::Role;
@@ -57,8 +59,10 @@ pub struct ExemplarOptions {
     pub bright_is_high: Option<bool>,
     /// What lies beyond the edges.
     pub wrap: Wrap,
-    /// Take slow changes of light out of the base colour ([`equalize`]).
+    /// Take slow changes of light out of the base colour ([`equalize`]), of each frame by itself.
     pub equalize: bool,
+    /// How it changes.
+    pub frames: FrameOptions,
 }
 
 /// Reads an exemplar. `path` is an image, a folder with one material set, or the beginning of a set's file names.
@@ -69,7 +73,8 @@ pub fn read_exemplar(path: &Path, options: &ExemplarOptions) -> Result<(Exemplar
     let mut warnings = Vec::new();
     let found = find(path, options, &mut warnings)?;
     let base = &found.files[&Role::Channel(Channel::BaseColor)];
-    let picture = read_picture(base, Transfer::Srgb)?;
+    let pictures = frames::animated(base, options)?;
+    let picture = pictures.first().map_or_else(|| read_picture(base, Transfer::Srgb), |(picture, _)| Ok(picture.clone()))?;
     warn_if_clipped(&picture.image, base, &mut warnings);
     let fail = |source| FormatError::Exemplar { path: base.clone(), source };
     let mut exemplar = Exemplar::new(found.name.clone(), in_color(picture.image));
@@ -84,6 +89,7 @@ pub fn read_exemplar(path: &Path, options: &ExemplarOptions) -> Result<(Exemplar
     for (channel, image) in read_channels(&found, options, exemplar.size(), &mut warnings)? {
         exemplar.set(channel, image).map_err(fail)?;
     }
+    let mut exemplar = frames::add(exemplar, pictures, base, options, &mut warnings)?;
     if options.equalize {
         let Evened { varied, clipped } = equalize(&mut exemplar);
         note(&mut warnings, base, &format!("its light varied by {:.0} %, and was evened out", 100.0 * varied));

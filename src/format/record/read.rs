@@ -1,7 +1,7 @@
 //! GLB to record. Every index, length and offset is checked; mip chains are built anew.
 
 use super::{EXTENSION, Record, VERSION};
-use crate::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch, Wrap};
+use crate::exemplar::{Channel, Exemplar, FramesBy, Hull, Image, MipChain, TexturePatch, Wrap};
 use crate::format::error::Problem;
 use crate::format::gltf::accessor::Data;
 use crate::format::gltf::document::Document;
@@ -94,6 +94,15 @@ struct ExemplarEntry {
     size: [u32; 2],
     #[serde(default)]
     wrap: Wrap,
+    frames: Option<FramesEntry>,
+}
+
+#[derive(Debug, Deserialize)]
+struct FramesEntry {
+    by: FramesBy,
+    #[serde(default)]
+    seconds: Vec<f64>,
+    images: Vec<BTreeMap<String, usize>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -227,19 +236,40 @@ fn sized(image: &Image, size: [u32; 2], components: usize, place: &str) -> Resul
 
 fn read_exemplar(data: &Data<'_>, index: usize, entry: &ExemplarEntry) -> Result<Exemplar, Problem> {
     let place = format!("exemplar {index}");
+    let mut exemplar = read_frame(data, &place, entry, &entry.images, None)?;
+    if let Some(frames) = &entry.frames {
+        let other = |(k, images)| read_frame(data, &format!("{place}, frame {}", k + 2), entry, images, Some(&exemplar));
+        let others = frames.images.iter().enumerate().map(other).collect::<Result<_, _>>()?;
+        let set = exemplar.set_frames(frames.by, others, frames.seconds.clone());
+        set.map_err(|e| Problem::damaged(&place, e.to_string()))?;
+    }
+    Ok(exemplar)
+}
+
+/// One frame of an exemplar: images by the names of their channels. Those that are missing are the first frame's.
+fn read_frame(
+    data: &Data<'_>,
+    place: &str,
+    entry: &ExemplarEntry,
+    images: &BTreeMap<String, usize>,
+    first: Option<&Exemplar>,
+) -> Result<Exemplar, Problem> {
     let load = |channel: Channel| -> Result<Option<Image>, Problem> {
-        let Some(&texture) = entry.images.get(channel.name()) else { return Ok(None) };
+        let Some(&texture) = images.get(channel.name()) else { return Ok(None) };
         let place = format!("{place}, {}", channel.name());
         let image = read_image(data, texture, Transfer::of(channel), &place)?;
         sized(&image, entry.size, channel.components(), &place)?;
         Ok(Some(image))
     };
-    let base = load(Channel::BaseColor)?.ok_or_else(|| Problem::damaged(&place, "it has no base colour"))?;
-    let mut exemplar = Exemplar::new(entry.name.clone(), base);
+    let missing = || Problem::damaged(place, "it has no base colour");
+    let mut exemplar = match first {
+        Some(first) => first.clone(),
+        None => Exemplar::new(entry.name.clone(), load(Channel::BaseColor)?.ok_or_else(missing)?),
+    };
     exemplar.wrap = entry.wrap;
-    for channel in Channel::ALL.into_iter().filter(|&c| c != Channel::BaseColor) {
+    for channel in Channel::ALL.into_iter().filter(|&c| first.is_some() || c != Channel::BaseColor) {
         if let Some(image) = load(channel)? {
-            exemplar.set(channel, image).map_err(|e| Problem::damaged(&place, e.to_string()))?;
+            exemplar.set(channel, image).map_err(|e| Problem::damaged(place, e.to_string()))?;
         }
     }
     Ok(exemplar)

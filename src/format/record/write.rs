@@ -2,7 +2,7 @@
 //! record itself only the encoded images are held.
 
 use super::{EXTENSION, Record, VERSION};
-use crate::exemplar::{Channel, Exemplar, Image, Wrap};
+use crate::exemplar::{Channel, Exemplar, Frames, Image, Wrap};
 use crate::format::FormatError;
 use crate::format::gltf::build::{Builder, F32, Shape, U16, U32};
 use crate::format::gltf::scene_out::add_scene;
@@ -80,19 +80,28 @@ impl<'a> Tables<'a> {
     }
 
     fn exemplars(&mut self, exemplars: &[Exemplar]) -> Result<Value, String> {
-        let all: Vec<(usize, Channel, &Image)> = exemplars
-            .iter()
-            .enumerate()
-            .flat_map(|(k, e)| e.channels().iter().filter_map(move |c| e.channel(c).map(|chain| (k, c, chain.finest()))))
-            .collect();
-        let encoded: Vec<_> = all.par_iter().map(|&(k, c, image)| (k, c, encode_png(image, Transfer::of(c)))).collect();
-        let mut images = vec![Map::new(); exemplars.len()];
-        for (k, channel, png) in encoded {
-            let texture = self.0.texture(format!("{} {}", exemplars[k].name, channel.name()), png?, exemplars[k].wrap);
-            images[k].insert(channel.name().into(), texture.into());
+        // Each exemplar with its other frames after it.
+        let encoded: Vec<Vec<Vec<_>>> = exemplars.par_iter().map(|e| frames_of(e).into_par_iter().map(encoded).collect()).collect();
+        let mut list = Vec::with_capacity(exemplars.len());
+        for (exemplar, frames) in exemplars.iter().zip(encoded) {
+            let mut images = Vec::with_capacity(frames.len());
+            for (number, channels) in frames.into_iter().enumerate() {
+                let mut of_frame = Map::new();
+                for (channel, png) in channels {
+                    let frame = if number == 0 { String::new() } else { format!(" {}", number + 1) };
+                    let name = format!("{}{frame} {}", exemplar.name, channel.name());
+                    of_frame.insert(channel.name().into(), self.0.texture(name, png?, exemplar.wrap).into());
+                }
+                images.push(Value::from(of_frame));
+            }
+            let others = images.split_off(1);
+            let mut value = json!({ "name": exemplar.name, "images": images[0], "size": exemplar.size(), "wrap": exemplar.wrap });
+            if let Some(frames) = exemplar.frames() {
+                value["frames"] = json!({ "by": frames.by(), "seconds": frames.seconds(), "images": others });
+            }
+            list.push(value);
         }
-        let list = exemplars.iter().zip(images);
-        Ok(list.map(|(e, images)| json!({ "name": e.name, "images": images, "size": e.size(), "wrap": e.wrap })).collect())
+        Ok(list.into())
     }
 
     fn layers(&mut self, layers: &'a [Layer]) -> Value {
@@ -160,4 +169,22 @@ impl<'a> Tables<'a> {
         }
         value
     }
+}
+
+/// The channels of each of an exemplar's frames. Of those after the first, what it shares with the first is left out.
+fn frames_of(exemplar: &Exemplar) -> Vec<Vec<(Channel, &Image)>> {
+    let mut frames = vec![channels_of(exemplar)];
+    for other in exemplar.frames().map_or(&[][..], Frames::others) {
+        let shared = |c| exemplar.channel(c).zip(other.channel(c)).is_some_and(|(a, b)| a.shares_pixels(b));
+        frames.push(channels_of(other).into_iter().filter(|(c, _)| !shared(*c)).collect());
+    }
+    frames
+}
+
+fn channels_of(frame: &Exemplar) -> Vec<(Channel, &Image)> {
+    frame.channels().iter().filter_map(|c| Some((c, frame.channel(c)?.finest()))).collect()
+}
+
+fn encoded(images: Vec<(Channel, &Image)>) -> Vec<(Channel, Result<Vec<u8>, String>)> {
+    images.into_par_iter().map(|(c, image)| (c, encode_png(image, Transfer::of(c)))).collect()
 }

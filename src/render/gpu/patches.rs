@@ -10,7 +10,7 @@ use super::packing::pack;
 use super::renderer::Filter;
 use super::shape::words;
 use super::texture::{Code, Layers, Part, fill};
-use crate::exemplar::{Channel, ChannelSet, Exemplar, TexturePatch, Wrap};
+use crate::exemplar::{Channel, ChannelSet, Exemplar, Frames, FramesBy, TexturePatch, Wrap};
 use crate::render::picture::to_byte;
 use wgpu::TextureFormat;
 
@@ -45,8 +45,9 @@ impl PatchTextures {
     ) -> Result<Self, GpuError> {
         let longest = gpu.limits.max_texture_dimension_2d;
         let mut warnings = Vec::new();
-        let (arrays, exemplar_table) = upload_exemplars(gpu, exemplars, longest, &mut warnings)?;
-        let (masks, patch_table) = upload_masks(gpu, patches, longest, &mut warnings)?;
+        let (frames, first) = with_frames(exemplars);
+        let (arrays, exemplar_table) = upload_exemplars(gpu, &frames, longest, &mut warnings)?;
+        let (masks, patch_table) = upload_masks(gpu, patches, &first, longest, &mut warnings)?;
         let patch_table = words(gpu, "patches", bytemuck::cast_slice(&patch_table));
         let exemplar_table = words(gpu, "exemplars", bytemuck::cast_slice(&exemplar_table));
         // Software adapters do not follow the gradients they are given, and look as far as they may: slow, and blurred.
@@ -109,12 +110,41 @@ fn levels_over(side: u32, longest: u32) -> u32 {
 
 type Table = Vec<u32>;
 
+/// A frame of an exemplar, and the flags that say how many follow it and when they show.
+struct Framed<'a> {
+    exemplar: &'a Exemplar,
+    flags: u32,
+}
+
+/// Exemplars, each followed by its other frames if they go by view or light; and where each begins. Those that go by time show the
+/// frame they are given as.
+fn with_frames(exemplars: &[Exemplar]) -> (Vec<Framed<'_>>, Vec<u32>) {
+    let mut all = Vec::with_capacity(exemplars.len());
+    let mut first = Vec::with_capacity(exemplars.len());
+    for exemplar in exemplars {
+        first.push(all.len() as u32);
+        let repeats = u32::from(exemplar.wrap == Wrap::Repeat);
+        let frames = exemplar.frames().filter(|f| f.by() != FramesBy::Time);
+        let others = frames.map_or(&[][..], Frames::others);
+        let by = frames.map_or(0, |f| if f.by() == FramesBy::View { BY_VIEW } else { BY_LIGHT });
+        all.push(Framed { exemplar, flags: repeats | by | (others.len() as u32) << FRAMES });
+        all.extend(others.iter().map(|exemplar| Framed { exemplar, flags: repeats }));
+    }
+    (all, first)
+}
+
+/// Flags of an exemplar, as in shaders/paste.wgsl: its frames change with the view, with the light; and above, how many follow it.
+const BY_VIEW: u32 = 4;
+const BY_LIGHT: u32 = 8;
+const FRAMES: u32 = 8;
+
 fn upload_exemplars<'g>(
     gpu: &'g Gpu,
-    exemplars: &[Exemplar],
+    frames: &[Framed<'_>],
     longest: u32,
     warnings: &mut Vec<String>,
 ) -> Result<(Vec<Layers<'g>>, Table), GpuError> {
+    let exemplars: Vec<&Exemplar> = frames.iter().map(|f| f.exemplar).collect();
     // The largest power of two that a layer may have.
     let longest = 1 << longest.max(1).ilog2();
     let drops: Vec<u32> = exemplars.iter().map(|e| levels_over(e.size()[0].max(e.size()[1]), longest)).collect();
@@ -127,15 +157,15 @@ fn upload_exemplars<'g>(
         ));
     }
     let mut table: Table = Vec::new();
-    for (exemplar, &drop) in exemplars.iter().zip(&drops) {
+    for (Framed { exemplar, flags }, &drop) in frames.iter().zip(&drops) {
         let [w, h] = exemplar.size().map(|s| (s as f32).to_bits());
         let heights = u32::from(exemplar.channel(Channel::Height).is_some());
-        let flags = u32::from(exemplar.wrap == Wrap::Repeat) | heights << 1;
+        let flags = flags | heights << 1;
         table.extend([w, h, 0.5_f32.powi(drop as i32).to_bits(), flags, u32::MAX, u32::MAX, u32::MAX, u32::MAX]);
     }
     let mut arrays = Vec::new();
     for (group, (name, channels)) in GROUPS.iter().enumerate() {
-        let has = |e: &Exemplar| channels.iter().any(|&c| e.channel(c).is_some());
+        let has = |e: &&Exemplar| channels.iter().any(|&c| e.channel(c).is_some());
         let with: Vec<usize> = (0..exemplars.len()).filter(|&i| has(&exemplars[i])).collect();
         let side = |axis: usize| {
             let sides = with.iter().map(|&i| exemplars[i].size()[axis].div_ceil(1 << drops[i]).next_power_of_two());
@@ -177,6 +207,7 @@ fn upload_exemplars<'g>(
 fn upload_masks<'g>(
     gpu: &'g Gpu,
     patches: &[TexturePatch],
+    first: &[u32],
     longest: u32,
     warnings: &mut Vec<String>,
 ) -> Result<(Layers<'g>, Table), GpuError> {
@@ -222,7 +253,7 @@ fn upload_masks<'g>(
         let [x, y] = packing.places[i].at.map(|a| a as f32);
         let [u, v] = patch.origin.map(|o| o as f32);
         table.extend([w, h, x, y, u, v].map(f32::to_bits));
-        table.extend([packing.places[i].layer, u32::from(patch.exemplar)]);
+        table.extend([packing.places[i].layer, first[usize::from(patch.exemplar)]]);
         table.extend([coarsest[i] as f32, 0.5_f32.powi(drops[i] as i32)].map(f32::to_bits));
     }
     Ok((layers, table))
