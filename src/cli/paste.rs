@@ -7,7 +7,9 @@ use super::picture::{self, Size};
 use super::region::RegionArgs;
 use super::{Common, report};
 use crate::exemplar::Channel;
+use crate::exemplar::auto::Choice;
 use crate::format::{check_output, read_model, write_record};
+use crate::job::auto::largest_feature;
 use crate::job::{BakeReport, Bound, JobError, JobReport, PasteJob, Pasted, Region, available_memory, paste_regions};
 use crate::mesh::CleanOptions;
 use crate::paste::{Composite, Coverage, PasteError};
@@ -176,6 +178,9 @@ struct RunReport<'a> {
     threads: usize,
     #[serde(flatten)]
     job: &'a JobReport,
+    /// What exemplars were found to ask for (`--patch auto`).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    choices: Vec<Choice>,
     bake: Option<BakeReport>,
     seconds: RunSeconds,
     peak_memory_bytes: Option<u64>,
@@ -208,7 +213,7 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
         Some(file) => job_file::read(file)?,
         None => vec![JobRegion { name: String::new(), exemplars: args.exemplars.clone(), args: args.region.clone() }],
     };
-    let regions = regions(args, &named)?;
+    let (regions, mut choices) = regions(args, &named)?;
     let model = read_model(&args.mesh)?;
     for note in &model.source.notes {
         args.common.warn(&format!("{}: {note}", args.mesh.display()));
@@ -219,6 +224,9 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
     let done = paste_regions(&model, regions, &bar);
     bar.finish();
     let mut pasted = done.map_err(|e| anyhow!("{}: {e}", culprit(args, &named, &e)))?;
+    if let Some(choice) = choices.first_mut() {
+        choice.reasons.extend(too_large(args, &pasted, choice));
+    }
     seconds.job = start.elapsed().as_secs_f64();
     pasted.report.warnings.iter().for_each(|w| args.common.warn(w));
 
@@ -255,6 +263,7 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
             output: args.output.display().to_string(),
             threads: rayon::current_num_threads(),
             job: &pasted.report,
+            choices,
             bake,
             seconds,
             peak_memory_bytes: report::peak_memory(),
@@ -264,25 +273,43 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The regions, with everything they name read.
-fn regions(args: &PasteArgs, named: &[JobRegion]) -> anyhow::Result<Vec<Region>> {
+/// The regions, with everything they name read, and what exemplars were found to ask for.
+fn regions(args: &PasteArgs, named: &[JobRegion]) -> anyhow::Result<(Vec<Region>, Vec<Choice>)> {
     if !(args.weld >= 0.0 && args.weld.is_finite()) {
         bail!("--weld is {}: give a length in world units, 0 or more", args.weld);
     }
     let clean = CleanOptions { weld: args.weld, ..CleanOptions::default() };
     let memory = args.memory.or_else(available_memory);
     let coverage = coverage(args)?;
-    let one = |(index, region): (usize, &JobRegion)| {
+    let mut choices = Vec::new();
+    let mut regions = Vec::new();
+    for (index, region) in named.iter().enumerate() {
         let read = region.args.region(&region.name, &region.exemplars, &args.common);
-        let mut read = match &args.job {
+        let (mut read, found) = match &args.job {
             Some(file) => read.with_context(|| format!("{}: region {} ({:?})", file.display(), index + 1, region.name))?,
             None => read?,
         };
         read.job = PasteJob { clean: clean.clone(), memory, ..read.job };
         read.job.paste.coverage = coverage.clone();
-        Ok(read)
-    };
-    named.iter().enumerate().map(one).collect()
+        regions.push(read);
+        choices.extend(found);
+    }
+    Ok((regions, choices))
+}
+
+/// Tells if the features of an exemplar that chose its patches are too large for the mesh.
+fn too_large(args: &PasteArgs, pasted: &Pasted, choice: &Choice) -> Option<String> {
+    let (scale, feature) = (pasted.report.scale, f64::from(choice.feature));
+    let most = largest_feature(&pasted.mesh);
+    let reason = (!choice.outlines.is_empty() && feature * scale > most).then(|| {
+        format!(
+            "its features are {:.3} long here, and thin parts of the mesh bend those above {most:.3} around: --scale {:.3} would fit them",
+            feature * scale,
+            most / feature
+        )
+    })?;
+    args.common.say(&format!("patches of {}: {reason}", choice.exemplar));
+    Some(reason)
 }
 
 /// What draws coverage.

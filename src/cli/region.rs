@@ -3,10 +3,12 @@
 
 use super::Common;
 use super::channels::ChannelArgs;
+use crate::exemplar::auto::Choice;
 use crate::exemplar::{Exemplar, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
 use crate::field::nway::MOST_WAYS;
 use crate::format::{read_exemplar, read_file, read_mask};
+use crate::job::paste::default_feather;
 use crate::job::{Area, ExemplarInput, PasteJob, Region, Scale, Steer, Where};
 use crate::paste::{IsotropicFit, PasteOptions, Predictor, Weights};
 use anyhow::{Context, anyhow, bail};
@@ -38,7 +40,8 @@ pub struct RegionArgs {
     #[arg(long, help_heading = "Size and direction")]
     pub keep_faces: bool,
 
-    /// Shape of the texture patches: whole, circle, splotch, a mask image, or a JSON file with outlines; may be repeated
+    /// Shape of the texture patches: whole, circle, splotch, a mask image, a JSON file with outlines, or auto: outlines along the
+    /// exemplar's own grout, gaps and borders if it has any that close, and --field auto unless a direction is given; may be repeated
     /// [default: the exemplar's own transparency if it has any, else splotch]
     #[arg(long, value_name = "SHAPE", help_heading = "Texture patches")]
     pub patch: Vec<String>,
@@ -138,11 +141,11 @@ pub enum IsotropicArg {
 }
 
 impl RegionArgs {
-    /// Reads everything that the region names.
+    /// Reads everything that the region names; with it what its exemplars were found to ask for.
     ///
     /// # Errors
     /// If a value is out of range, or a file cannot be read.
-    pub fn region(&self, name: &str, exemplars: &[PathBuf], common: &Common) -> anyhow::Result<Region> {
+    pub fn region(&self, name: &str, exemplars: &[PathBuf], common: &Common) -> anyhow::Result<(Region, Vec<Choice>)> {
         let area = match &self.area {
             None => Area::Everything,
             Some(Where::Area(area)) => area.clone(),
@@ -151,9 +154,14 @@ impl RegionArgs {
         if self.border != 0.0 && area == Area::Everything {
             bail!("--border is {}: it goes with --where", self.border);
         }
-        let inputs = inputs(self, exemplars, common)?;
+        let (inputs, choices) = inputs(self, exemplars, common)?;
         let job = PasteJob { steer: steer(self, &inputs, common)?, ..job(self)? };
-        Ok(Region { name: name.to_owned(), area, border: self.border, inputs, job })
+        Ok((Region { name: name.to_owned(), area, border: self.border, inputs, job }, choices))
+    }
+
+    /// True if exemplars choose their own patches.
+    fn asks_exemplars(&self) -> bool {
+        self.patch.iter().any(|p| matches!(p.parse(), Ok(PatchShape::Auto)))
     }
 
     /// The file with the field, if one is named.
@@ -251,12 +259,17 @@ fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow
         None if args.scale_field.is_some() => {
             bail!("--scale-field goes with --field none; with a direction, put scales into its constraints")
         }
+        None if args.up.is_none() && args.asks_exemplars() => steer_by(inputs, common),
         None => Steer::Up(axis),
         Some("none") => Steer::Isotropic(args.scale_field.as_deref().map(constraints).transpose()?),
         Some(_) if args.scale_field.is_some() => bail!("--scale-field goes with --field none"),
-        Some("auto") => inputs.first().map_or(Steer::Relaxed(1), |i| found_steer(&i.exemplar, common)),
+        Some("auto") => steer_by(inputs, common),
         Some(named) => steer_of(named, axis)?,
     })
+}
+
+fn steer_by(inputs: &[ExemplarInput], common: &Common) -> Steer {
+    inputs.first().map_or(Steer::Relaxed(1), |i| found_steer(&i.exemplar, common))
 }
 
 /// What a `--field` other than `none` and `auto` asks for.
@@ -301,8 +314,8 @@ fn read_text(path: &Path) -> anyhow::Result<String> {
     String::from_utf8(bytes).map_err(|_| anyhow!("{}: this is no text: name a JSON file", path.display()))
 }
 
-/// Exemplars with their patches.
-fn inputs(args: &RegionArgs, exemplars: &[PathBuf], common: &Common) -> anyhow::Result<Vec<ExemplarInput>> {
+/// Exemplars with their patches, and what was found of those that choose their own.
+fn inputs(args: &RegionArgs, exemplars: &[PathBuf], common: &Common) -> anyhow::Result<(Vec<ExemplarInput>, Vec<Choice>)> {
     if !args.weights.is_empty() && args.weights.len() != exemplars.len() {
         bail!("--weights has {} numbers for {} exemplars: give one each", args.weights.len(), exemplars.len());
     }
@@ -314,21 +327,39 @@ fn inputs(args: &RegionArgs, exemplars: &[PathBuf], common: &Common) -> anyhow::
             exemplars.len()
         );
     }
-    let patches: Vec<PatchSpec> = args.patch.iter().map(|text| patch(text)).collect::<anyhow::Result<_>>()?;
-    let one = |(i, path): (usize, &PathBuf)| {
-        let (exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only))?;
+    let patches: Vec<Option<PatchSpec>> = args.patch.iter().map(|text| patch(text)).collect::<anyhow::Result<_>>()?;
+    let mut choices = Vec::new();
+    let mut inputs = Vec::new();
+    for (i, path) in exemplars.iter().enumerate() {
+        let (mut exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only))?;
         told.iter().for_each(|t| common.pass_on(t));
         let weight = args.weights.get(i).copied().unwrap_or(1.0);
         if !(weight > 0.0 && weight.is_finite()) {
             bail!("--weights has {weight}: give numbers above zero");
         }
-        Ok(ExemplarInput { exemplar, weight, patches: patches.clone() })
-    };
-    exemplars.iter().enumerate().map(one).collect()
+        if args.asks_exemplars() {
+            let choice = Choice::of(&exemplar, args.feather.unwrap_or_else(|| default_feather(exemplar.size())));
+            choice.reasons.iter().for_each(|reason| common.say(&format!("patches of {}: {reason}", path.display())));
+            choice.prepare(&mut exemplar);
+            choices.push(choice);
+        }
+        let specs = |given: &Option<PatchSpec>| match (given, choices.last()) {
+            (Some(given), _) => vec![given.clone()],
+            // Beside other shapes the usual ones must be named.
+            (None, Some(choice)) if patches.len() > 1 && choice.outlines.is_empty() => {
+                vec![PatchSpec { source: if choice.opacity { PatchSource::Whole } else { PatchSource::Splotch }, weight: 1.0 }]
+            }
+            (None, choice) => choice.map(Choice::specs).unwrap_or_default(),
+        };
+        inputs.push(ExemplarInput { weight, patches: patches.iter().flat_map(specs).collect(), exemplar });
+    }
+    Ok((inputs, choices))
 }
 
-fn patch(text: &str) -> anyhow::Result<PatchSpec> {
+/// The patches a text means; `None` if the exemplar chooses them.
+fn patch(text: &str) -> anyhow::Result<Option<PatchSpec>> {
     let source = match text.parse::<PatchShape>()? {
+        PatchShape::Auto => return Ok(None),
         PatchShape::Whole => PatchSource::Whole,
         PatchShape::Circle => PatchSource::Circle,
         PatchShape::Splotch => PatchSource::Splotch,
@@ -338,5 +369,5 @@ fn patch(text: &str) -> anyhow::Result<PatchSpec> {
             PatchSource::Outlines { outlines: Outline::from_json(&read_text(&path)?, &name)?, name }
         }
     };
-    Ok(PatchSpec { source, weight: 1.0 })
+    Ok(Some(PatchSpec { source, weight: 1.0 }))
 }

@@ -48,6 +48,13 @@ impl Hull {
         hull
     }
 
+    /// The hull moved by so many pixels.
+    #[must_use]
+    pub fn moved(mut self, by: Vec2) -> Self {
+        self.points.iter_mut().for_each(|p| *p += by);
+        Self { low: self.low + by, high: self.high + by, core: self.core + by, ..self }
+    }
+
     /// The conservative hull of all alpha in the first component of `mask`, whose top left corner lies at `origin`.
     /// `None` if nothing has alpha. Where alpha falls apart into pieces, the hull is that of one of them.
     #[must_use]

@@ -2,6 +2,7 @@
 //!
 //! Pixel coordinates are continuous: (0, 0) is the top left corner of the top left pixel, whose centre is (0.5, 0.5).
 
+pub mod auto;
 mod collapse;
 mod coverage_mask;
 pub mod distance;

@@ -12,9 +12,9 @@
 use super::mask::{self, CutOut, OPAQUE};
 use super::outline::{self, Outline};
 use super::splotch::splotch;
-use super::{Channel, Exemplar, ExemplarError, Hull, Image, MipChain, TexturePatch};
+use super::{Channel, Exemplar, ExemplarError, Hull, Image, MipChain, TexturePatch, Wrap};
 use crate::random::Random;
-use glam::Vec2;
+use glam::{IVec2, Vec2};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -48,6 +48,8 @@ pub enum PatchShape {
     Circle,
     /// `splotch`
     Splotch,
+    /// `auto`: what [`Choice`](super::auto::Choice) finds.
+    Auto,
     /// `FILE.png` or another image.
     Mask(PathBuf),
     /// `FILE.json`
@@ -64,12 +66,13 @@ impl FromStr for PatchShape {
             ("whole", _) => Ok(Self::Whole),
             ("circle", _) => Ok(Self::Circle),
             ("splotch", _) => Ok(Self::Splotch),
+            ("auto", _) => Ok(Self::Auto),
             (_, Some("json")) => Ok(Self::Outline(text.into())),
             (_, Some(e)) if IMAGES.contains(&e) => Ok(Self::Mask(text.into())),
             _ => Err(ExemplarError::BadPatch {
                 what: "the patch shape".to_owned(),
                 found: format!("'{text}'"),
-                remedy: "give whole, circle, splotch, an image file as mask or a .json file with outlines".to_owned(),
+                remedy: "give whole, circle, splotch, auto, an image file as mask or a .json file with outlines".to_owned(),
             }),
         }
     }
@@ -147,9 +150,9 @@ pub fn make_patches(
         let cuts = cuts(&ground, spec, options, u64::from(index) << 16 | number as u64, &mut warnings)?;
         let weight = spec.weight / cuts.len() as f32;
         let slides = matches!(spec.source, PatchSource::Whole | PatchSource::Circle | PatchSource::Splotch);
-        for Cut { name, depth, soft } in cuts {
+        for Cut { name, depth, soft, moved } in cuts {
             let name = format!("{name} of exemplar '{}'", exemplar.name);
-            let patch = ground.patch(&name, depth, soft.as_deref(), &mut warnings)?;
+            let patch = ground.patch(&name, depth, soft.as_deref(), &mut warnings)?.moved(moved);
             patches.push(TexturePatch { exemplar: index, weight, slides: slides && ground.soft.is_none(), ..patch });
         }
     }
@@ -192,6 +195,16 @@ struct Cut {
     name: String,
     depth: Vec<f32>,
     soft: Option<Vec<f32>>,
+    /// Where the patch lies, from where it was cut.
+    moved: IVec2,
+}
+
+impl TexturePatch {
+    /// The patch so many pixels further in an exemplar that repeats.
+    fn moved(self, by: IVec2) -> Self {
+        let origin = (IVec2::from_array(self.origin) + by).to_array();
+        Self { origin, hull: self.hull.moved(by.as_vec2()), centre: self.centre + by.as_vec2(), ..self }
+    }
 }
 
 fn cuts(
@@ -201,7 +214,7 @@ fn cuts(
     stream: u64,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Cut>, ExemplarError> {
-    let hard = |name: String, depth| Cut { name, depth, soft: None };
+    let hard = |name: String, depth| Cut { name, depth, soft: None, moved: IVec2::ZERO };
     Ok(match &spec.source {
         PatchSource::Whole => vec![hard("the whole".to_owned(), vec![ground.reach; ground.depth.len()])],
         PatchSource::Circle => vec![hard("the circle".to_owned(), ground.circle())],
@@ -217,7 +230,9 @@ fn cuts(
             let cut = |(i, outline): (usize, &Outline)| {
                 let name = format!("outline {} of '{name}'", i + 1);
                 let points = outline.in_pixels(ground.size(), &name)?;
-                Ok(hard(name, ground.polygon(&points)))
+                let moved = ground.beyond(&points);
+                let points: Vec<Vec2> = points.iter().map(|&p| p - moved.as_vec2()).collect();
+                Ok(Cut { moved, ..hard(name, ground.polygon(&points)) })
             };
             outlines.iter().enumerate().map(cut).collect::<Result<_, _>>()?
         }
@@ -226,7 +241,7 @@ fn cuts(
             let image = ground.fitted(image, &name, warnings);
             let feathered = options.feather > 0.0;
             let depth = if feathered { ground.depth_in(&image) } else { vec![ground.reach; ground.depth.len()] };
-            vec![Cut { name, depth, soft: Some(image.data().to_vec()) }]
+            vec![Cut { name, depth, soft: Some(image.data().to_vec()), moved: IVec2::ZERO }]
         }
     })
 }
@@ -241,6 +256,8 @@ struct Ground {
     depth: Vec<f32>,
     /// Opacity, where it is an outline.
     soft: Option<Vec<f32>>,
+    /// The exemplar goes on over its edges.
+    repeats: bool,
 }
 
 impl Ground {
@@ -254,7 +271,7 @@ impl Ground {
                 *depth = (x.min(width - 1 - x).min(y).min(height - 1 - y) as f32).min(reach);
             }
         }
-        let bare = Self { width, height, reach, depth, soft: None };
+        let bare = Self { width, height, reach, depth, soft: None, repeats: exemplar.wrap == Wrap::Repeat };
         let Some(opacity) = exemplar.channel(Channel::Opacity).map(MipChain::finest) else { return bare };
         if opacity.data().iter().all(|&o| o >= TRANSPARENT) {
             return bare;
@@ -292,6 +309,18 @@ impl Ground {
         };
         let depth = |i: usize| radius - centre.distance(Vec2::new((i % self.width) as f32, (i / self.width) as f32) + 0.5);
         (0..self.depth.len()).map(|i| depth(i).clamp(0.0, self.reach)).collect()
+    }
+
+    /// How far a polygon must be moved back to lie in the exemplar's middle, if it reaches over edges that repeat.
+    fn beyond(&self, points: &[Vec2]) -> IVec2 {
+        let low = points.iter().fold(Vec2::INFINITY, |m, &p| m.min(p));
+        let high = points.iter().fold(Vec2::NEG_INFINITY, |m, &p| m.max(p));
+        let over = low.cmplt(Vec2::ZERO).any() || high.cmpgt(self.size()).any();
+        if over && self.repeats && self.soft.is_none() {
+            (0.5 * (low + high - self.size())).round().as_ivec2()
+        } else {
+            IVec2::ZERO
+        }
     }
 
     fn polygon(&self, points: &[Vec2]) -> Vec<f32> {

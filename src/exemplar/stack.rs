@@ -117,6 +117,15 @@ impl Stack {
         out
     }
 
+    /// Blurred by a Gaussian of so many pixels, cut off at `reach` times that.
+    pub(super) fn blurred(&self, width: f32, reach: f32) -> Self {
+        let radius = (width * reach).ceil().max(1.0) as i64;
+        let weight = |i: i64| (-0.5 * (i as f32 / width).powi(2)).exp();
+        let sum: f32 = (-radius..=radius).map(weight).sum();
+        let kernel: Vec<f32> = (-radius..=radius).map(|i| weight(i) / sum).collect();
+        self.filtered(&kernel, -radius, 1)
+    }
+
     /// As soft as bilinear samples between pixels are on average: 1/8, 3/4, 1/8 along each axis.
     #[must_use]
     pub fn softened(&self) -> Self {

@@ -6,6 +6,7 @@
 //! to the mesh and the lapped texture on it, ready to be shown; [`Moving`] plays its animations.
 
 pub mod area;
+pub mod auto;
 pub mod bake;
 pub mod beside;
 pub mod bind;

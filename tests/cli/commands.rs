@@ -40,6 +40,33 @@ fn paste_writes_a_record_a_picture_and_a_report_and_nothing_else() {
 }
 
 #[test]
+fn an_exemplar_that_chooses_its_patches_says_why() {
+    let place = Place::new();
+    // Stones in mortar: squares of several greys, every other row half a stone further.
+    let stone = |x: u32, y: u32| {
+        let row = y / 16;
+        let x = (x + row % 2 * 10) % 120;
+        if y % 16 < 2 || x % 20 < 2 { 20 } else { 110 + (x / 20 * 37 + row * 53) % 90 }
+    };
+    image::GrayImage::from_fn(120, 128, |x, y| image::Luma([stone(x, y) as u8])).save(place.path("stones.png")).unwrap();
+    let args = ["paste", "--no-bake", "mesh.obj", "-o", "out/a.glb", "--report", "out/a.json", "--patch", "auto"];
+    let (_, told) = succeeds(&place, &[&args[..], &["stones.png"]].concat());
+    assert!(told.contains("along dark lines") && told.contains("--field"), "says what and which way: {told}");
+    let report = json(&place, "out/a.json");
+    let choice = &report["choices"][0];
+    assert_eq!(choice["exemplar"], "stones", "{choice}");
+    assert!(choice["outlines"].as_u64().unwrap() >= 1 && choice["outlines"] == report["patches"], "{choice}");
+    assert!(told.contains(choice["reasons"][0].as_str().unwrap()), "the report says the same: {choice}");
+    assert!(report["paste"]["least_alpha"].as_f64().unwrap() >= 0.98, "covered");
+    // Wood has no lines that close; what it gets is what it gets without being asked.
+    let (_, told) = succeeds(&place, &[&args[..], &["wood.png", "--up", "y"]].concat());
+    assert!(told.contains("splotches") && !told.contains("--field"), "a direction given counts: {told}");
+    let chosen = std::fs::read(place.path("out/a.glb")).unwrap();
+    succeeds(&place, &["paste", "--no-bake", "mesh.obj", "wood.png", "-o", "out/a.glb"]);
+    assert!(std::fs::read(place.path("out/a.glb")).unwrap() == chosen, "the same pastes");
+}
+
+#[test]
 fn options_of_paste_take_effect() {
     let place = Place::new();
     place.write("field.json", r#"{"version": 1, "constraints": [{"position": [1, 0, 0], "direction": [0, 0, 1], "scale": 0.5}]}"#);
@@ -48,7 +75,7 @@ fn options_of_paste_take_effect() {
     let bright = |x: f32, y: f32| (x - 32.0).powi(2) + 2.0 * (y - 32.0).powi(2) < 900.0;
     let ellipse = image::GrayImage::from_fn(64, 64, |x, y| image::Luma([if bright(x as f32, y as f32) { 255 } else { 0 }]));
     ellipse.save(place.path("ellipse.png")).unwrap();
-    let lines: [&[&str]; 17] = [
+    let lines: [&[&str]; 18] = [
         &["--scale", "0.5"],
         &["--ratio", "12", "--up", "-x"],
         &["--up", "1,2,3", "--patch", "whole"],
@@ -57,6 +84,8 @@ fn options_of_paste_take_effect() {
         &["--field", "field.json", "--keep-faces"],
         &["--patch", "outline.json", "--feather", "1"],
         &["--patch", "ellipse.png", "--patch", "circle"],
+        &["--patch", "auto"],
+        &["--patch", "auto", "--patch", "circle", "--up", "z"],
         &["--predictor", "maillot", "--fit-weights", "uniform", "--distortion", "0.6"],
         &["--no-sort", "--no-cull", "--weld", "0.001", "--threads", "1"],
         &["--splotches", "1", "--seed", "18446744073709551615", "--color-only"],

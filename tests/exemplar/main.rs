@@ -1,5 +1,7 @@
-//! Exemplars: patches cut from them, their hulls, what coverage asks of their masks, and how they look when turned.
+//! Exemplars: patches cut from them, those they choose themselves, their hulls, what coverage asks of their masks, and how they look when
+//! turned.
 
+mod auto;
 mod coverage_mask;
 #[path = "../common/folder.rs"]
 mod folder;
