@@ -65,8 +65,22 @@ pub struct CompareArgs {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_CELL: [&str; 13] =
-    ["mesh", "exemplars", "methods", "scale", "ratio", "up", "field", "exemplar_size", "weld", "seed", "cameras", "size", "blind"];
+const OF_A_CELL: [&str; 14] = [
+    "mesh",
+    "exemplars",
+    "methods",
+    "scale",
+    "ratio",
+    "up",
+    "field",
+    "patch",
+    "exemplar_size",
+    "weld",
+    "seed",
+    "cameras",
+    "size",
+    "blind",
+];
 
 /// What one comparison is told.
 #[derive(Debug, Clone, Args)]
@@ -87,6 +101,9 @@ pub struct CellArgs {
     /// ways; `auto` to let the exemplar decide; or a JSON file: constraints, or a field with a vector per face
     #[arg(long, value_name = "none|curvature|relax:N|auto|FILE.json", help_heading = "Size and direction")]
     pub field: Option<String>,
+    /// Texture patches of the pasted methods: `auto` lets the exemplar choose, as in `lapped paste`
+    #[arg(long, value_enum, value_name = "SHAPE", default_value_t = PatchArg::Splotch, help_heading = "Method")]
+    pub patch: PatchArg,
     /// Longer side of the exemplar in pixels, to which a larger one is brought for all methods
     #[arg(long, value_name = "PX", default_value_t = SIDE, value_parser = clap::value_parser!(u32).range(16..=1024), help_heading = "Size and direction")]
     pub exemplar_size: u32,
@@ -106,6 +123,15 @@ pub struct CellArgs {
     /// report.json
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=1000), help_heading = "Pictures")]
     pub blind: u32,
+}
+
+/// Texture patches of the pasted methods.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub enum PatchArg {
+    /// The usual ones
+    Splotch,
+    /// Outlines along the exemplar's own lines, if it has any that close
+    Auto,
 }
 
 impl CellArgs {
@@ -147,6 +173,7 @@ impl CellArgs {
                 side: self.exemplar_size,
                 clean: CleanOptions { weld: self.weld, ..CleanOptions::default() },
                 seed: self.seed,
+                choose: self.patch == PatchArg::Auto,
             },
             views,
             size: self.size.0,
@@ -180,6 +207,9 @@ impl CellArgs {
         }
         if let Some(field) = &self.field {
             flag("field", field.clone());
+        }
+        if self.patch == PatchArg::Auto {
+            flag("patch", "auto".to_owned());
         }
         flag("exemplar-size", self.exemplar_size.to_string());
         if self.weld > 0.0 {

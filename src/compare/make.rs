@@ -143,7 +143,11 @@ impl<'a> Maker<'a> {
         let Setting { job, guide, exemplar, .. } = self.setting;
         let job = PasteJob { paste: options, ..job.clone() };
         let mesh = self.setting.mesh();
-        let input = ExemplarInput { exemplar: exemplar.clone(), weight: 1.0, patches: Vec::new() };
+        let mut input = ExemplarInput { exemplar: exemplar.clone(), weight: 1.0, patches: Vec::new() };
+        if let Some(choice) = &self.setting.choice {
+            input.patches = choice.specs();
+            choice.prepare(&mut input.exemplar);
+        }
         let (exemplars, patches) = cut_patches(vec![input], &job, &mut Vec::new())?;
         let (lapped, _) = paste(mesh, guide, exemplars, patches, &difficulty(mesh, guide), &job.paste, progress)?;
         Ok(lapped)

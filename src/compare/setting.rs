@@ -7,10 +7,12 @@
 
 use super::CompareError;
 use super::source::Plane;
+use crate::exemplar::auto::Choice;
 use crate::exemplar::extend::extend_exemplar;
 use crate::exemplar::{Channel, Exemplar, PatchOptions, Wrap};
 use crate::field::{Guide, TangentField};
 use crate::format::Model;
+use crate::job::paste::default_feather;
 use crate::job::synth::prepared;
 use crate::job::{Guided, PasteJob, Scale, Steer, guided};
 use crate::mesh::{CleanOptions, Cleaned, Mesh, clean};
@@ -38,6 +40,8 @@ pub struct Setting {
     pub job: PasteJob,
     /// Seed of all random choices.
     pub seed: u64,
+    /// What the exemplar asks for, if it chooses its own patches.
+    pub choice: Option<Choice>,
 }
 
 /// How large and which way.
@@ -53,6 +57,8 @@ pub struct SettingOptions {
     pub clean: CleanOptions,
     /// Seed of all random choices.
     pub seed: u64,
+    /// Let the exemplar choose its patches.
+    pub choose: bool,
 }
 
 /// The exemplar's longer side at most, unless another is asked for: as in synthesis.
@@ -63,7 +69,14 @@ pub const RATIO: f64 = 20.0;
 
 impl Default for SettingOptions {
     fn default() -> Self {
-        Self { scale: Scale::Ratio(RATIO), steer: Steer::default(), side: SIDE, clean: CleanOptions::default(), seed: 1 }
+        Self {
+            scale: Scale::Ratio(RATIO),
+            steer: Steer::default(),
+            side: SIDE,
+            clean: CleanOptions::default(),
+            seed: 1,
+            choose: false,
+        }
     }
 }
 
@@ -103,7 +116,19 @@ impl Setting {
             (Guide::Directed(_), asked) => asked.clone(),
             (Guide::Isotropic { .. }, _) => Steer::Relaxed(1),
         };
-        Ok(Self { cleaned, guide, steer, exemplar, plane, scale: report.scale, ratio: report.ratio, job, seed: options.seed })
+        let choice = options.choose.then(|| Choice::of(&exemplar, default_feather(exemplar.size())));
+        Ok(Self {
+            cleaned,
+            guide,
+            steer,
+            exemplar,
+            plane,
+            scale: report.scale,
+            ratio: report.ratio,
+            job,
+            seed: options.seed,
+            choice,
+        })
     }
 
     /// The mesh.
