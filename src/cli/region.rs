@@ -4,6 +4,7 @@
 use super::Common;
 use super::channels::ChannelArgs;
 use crate::exemplar::auto::Choice;
+use crate::exemplar::symmetry::Symmetry;
 use crate::exemplar::{Exemplar, Outline, PatchOptions, PatchShape, PatchSource, PatchSpec};
 use crate::field::Constraints;
 use crate::field::nway::MOST_WAYS;
@@ -155,7 +156,7 @@ impl RegionArgs {
             bail!("--border is {}: it goes with --where", self.border);
         }
         let (inputs, choices) = inputs(self, exemplars, common)?;
-        let job = PasteJob { steer: steer(self, &inputs, common)?, ..job(self)? };
+        let job = PasteJob { steer: steer(self, &inputs, &choices, common)?, ..job(self)? };
         Ok((Region { name: name.to_owned(), area, border: self.border, inputs, job }, choices))
     }
 
@@ -250,7 +251,7 @@ fn is_field_file(text: &str) -> bool {
 /// Begins the name of a relaxed field; its number of ways follows.
 const RELAX: &str = "relax:";
 
-fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow::Result<Steer> {
+fn steer(args: &RegionArgs, inputs: &[ExemplarInput], choices: &[Choice], common: &Common) -> anyhow::Result<Steer> {
     let axis = args.up.unwrap_or(DVec3::Y);
     let constraints = |path: &Path| -> anyhow::Result<Constraints> {
         Constraints::from_json(&read_text(path)?).with_context(|| path.display().to_string())
@@ -259,17 +260,21 @@ fn steer(args: &RegionArgs, inputs: &[ExemplarInput], common: &Common) -> anyhow
         None if args.scale_field.is_some() => {
             bail!("--scale-field goes with --field none; with a direction, put scales into its constraints")
         }
-        None if args.up.is_none() && args.asks_exemplars() => steer_by(inputs, common),
+        None if args.up.is_none() && args.asks_exemplars() => steer_by(inputs, choices, common),
         None => Steer::Up(axis),
         Some("none") => Steer::Isotropic(args.scale_field.as_deref().map(constraints).transpose()?),
         Some(_) if args.scale_field.is_some() => bail!("--scale-field goes with --field none"),
-        Some("auto") => steer_by(inputs, common),
+        Some("auto") => steer_by(inputs, choices, common),
         Some(named) => steer_of(named, axis)?,
     })
 }
 
-fn steer_by(inputs: &[ExemplarInput], common: &Common) -> Steer {
-    inputs.first().map_or(Steer::Relaxed(1), |i| found_steer(&i.exemplar, common))
+fn steer_by(inputs: &[ExemplarInput], choices: &[Choice], common: &Common) -> Steer {
+    match (choices.first(), inputs.first()) {
+        (Some(choice), _) => told_steer(Steer::by_symmetry(choice.symmetry.as_ref()), choice.symmetry.as_ref(), common),
+        (None, Some(input)) => found_steer(&input.exemplar, common),
+        (None, None) => Steer::Relaxed(1),
+    }
 }
 
 /// What a `--field` other than `none` and `auto` asks for.
@@ -302,6 +307,10 @@ pub(super) fn steer_of(named: &str, axis: DVec3) -> anyhow::Result<Steer> {
 /// What an exemplar's own symmetry asks for; says what it found.
 pub(super) fn found_steer(exemplar: &Exemplar, common: &Common) -> Steer {
     let (steer, found) = Steer::by_exemplar(exemplar);
+    told_steer(steer, found.as_ref(), common)
+}
+
+fn told_steer(steer: Steer, found: Option<&Symmetry>, common: &Common) -> Steer {
     if let Some(found) = found {
         let flag = if found.isotropic { "none".to_owned() } else { format!("relax:{}", found.n) };
         common.say(&format!("field: turned, {found}: --field {flag}"));

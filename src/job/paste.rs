@@ -71,10 +71,17 @@ impl Steer {
     /// What an exemplar's own symmetry asks for, and the symmetry; the smoothest field where that cannot be told.
     #[must_use]
     pub fn by_exemplar(exemplar: &Exemplar) -> (Self, Option<Symmetry>) {
-        match exemplar_symmetry(exemplar) {
-            None => (Self::Relaxed(1), None),
-            Some(found) if found.isotropic => (Self::Isotropic(None), Some(found)),
-            Some(found) => (Self::Relaxed(found.n), Some(found)),
+        let found = exemplar_symmetry(exemplar);
+        (Self::by_symmetry(found.as_ref()), found)
+    }
+
+    /// What a symmetry asks for.
+    #[must_use]
+    pub fn by_symmetry(found: Option<&Symmetry>) -> Self {
+        match found {
+            None => Self::Relaxed(1),
+            Some(found) if found.isotropic => Self::Isotropic(None),
+            Some(found) => Self::Relaxed(found.n),
         }
     }
 }

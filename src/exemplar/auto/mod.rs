@@ -6,7 +6,7 @@
 //! 1. Lines: how strongly each pixel lies in grout, in a gap or on a border, dark or bright ([`lines`]).
 //! 2. Closed paths that stay on them, around places spread over the exemplar ([`around`]); one that tiles has places everywhere.
 //! 3. Whether the lines close: how much of a line such paths are on, by itself and beside what a path anywhere has, against the same in
-//!    noise with the same spectrum. Noise has valleys too, and paths find them; only where most paths are better than the best of
+//!    noise with the same spectrum. Noise has valleys too, and paths find them; only where most of the paths are better than the best of
 //!    noise by one or the other are they taken.
 //! 4. Of these paths a few are kept that use as much of the exemplar as they can, moved outwards by half the feather so that alpha is
 //!    half on the line, and made simple polygons. Without them there are splotches.
@@ -45,8 +45,8 @@ const DIFFER: f32 = 0.1;
 /// Mean strength along paths below which lines do not close, however they compare with noise: a path that must cross stripes, boards or
 /// patches of rust to come back is off lines for a quarter of its way.
 const CLEAR: f32 = 0.75;
-/// Share of the paths that must be better than noise.
-const USUAL: f32 = 0.5;
+/// Share of the paths that must be better than noise: nine tenths are where there is grout, gravel and grass have up to six.
+const USUAL: f32 = 0.75;
 
 /// What an exemplar asks for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
