@@ -68,18 +68,24 @@ impl Frames {
     /// The number of the frame that shows at a time; 0 unless frames go by time.
     #[must_use]
     pub fn at(&self, seconds: f64) -> usize {
+        self.moment(seconds).0
+    }
+
+    /// The same, and how many seconds it goes on showing: without end if it never changes.
+    #[must_use]
+    pub fn moment(&self, seconds: f64) -> (usize, f64) {
         let duration = self.duration();
         if !(duration > 0.0 && seconds.is_finite()) {
-            return 0;
+            return (0, f64::INFINITY);
         }
-        let mut left = seconds.rem_euclid(duration);
+        let mut into = seconds.rem_euclid(duration);
         for (k, frame) in self.seconds.iter().enumerate() {
-            if left < *frame {
-                return k;
+            if into < *frame {
+                return (k, frame - into);
             }
-            left -= frame;
+            into -= frame;
         }
-        self.count() - 1
+        (self.count() - 1, 0.0)
     }
 
     /// The lower of the two frames that show where the angle has this cosine, and the share of the one above it.

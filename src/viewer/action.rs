@@ -19,6 +19,7 @@ pub enum Action {
     Redo,
     Frame,
     Turntable,
+    Play,
     Split,
     NextMode,
     Compare,
@@ -42,7 +43,7 @@ const COMMAND_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
 
 impl Action {
     /// All deeds, in the order of the help sheet.
-    pub const ALL: [Self; 29] = [
+    pub const ALL: [Self; 30] = [
         Self::New,
         Self::Open,
         Self::Save,
@@ -55,6 +56,7 @@ impl Action {
         Self::Redo,
         Self::Frame,
         Self::Turntable,
+        Self::Play,
         Self::Split,
         Self::NextMode,
         Self::Compare,
@@ -105,6 +107,7 @@ impl Action {
             Self::Redo => ("Redo", key(COMMAND_SHIFT, Key::Z), "Make the change again"),
             Self::Frame => ("Frame", key(NONE, Key::F), "Show all of the model"),
             Self::Turntable => ("Turntable", key(NONE, Key::T), "Let the model go around"),
+            Self::Play => ("Play", key(NONE, Key::K), "Let exemplars change that go by time"),
             Self::Split => ("Split view", key(NONE, Key::V), "Compare two modes; drag the line between them"),
             Self::NextMode => ("Next mode", key(NONE, Key::M), "Show the next mode in the left pane"),
             Self::Compare => (

@@ -290,6 +290,7 @@ impl App {
                 }
             }
             Action::Turntable => self.viewport.turntable = !self.viewport.turntable,
+            Action::Play => self.viewport.playing = !self.viewport.playing && self.changes(),
             Action::Split => self.viewport.split = if self.viewport.split.is_some() { None } else { Some(0.5) },
             Action::NextMode => {
                 let place = Mode::ALL.iter().position(|m| *m == self.viewport.modes[0]).unwrap_or(0);

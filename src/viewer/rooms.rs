@@ -9,11 +9,15 @@ use super::panels::shortened;
 use super::steer::room::put;
 use super::viewport::Given;
 use super::watch::room::WatchRoom;
+use crate::exemplar::Exemplar;
+use crate::exemplar::frames::duration;
 use crate::mesh::Mesh;
 use egui::{Context, Ui};
 use std::sync::Arc;
 use std::time::Instant;
 
+/// Seconds that exemplars go on by in one frame at most: who comes back to a window that rested sees no leap.
+const LONGEST_STEP: f64 = 0.25;
 /// The longest name of an exemplar that is shown whole, letters.
 const NAME: usize = 20;
 
@@ -41,6 +45,7 @@ impl App {
         if let Some(edit) = &pointed.edit {
             self.edit(edit.what, |project| put(project, edit));
         }
+        let moment = shown.as_ref().map_or(0, |shown| self.play(ui, shown));
         let watched = self.watch.as_ref().and_then(WatchRoom::subject);
         let (side, synth, still, which) = (&self.side, &self.synth, &self.still, self.lines);
         let wanted = Still::wanted(&self.viewport, ui.visuals().dark_mode, shown.as_deref());
@@ -49,7 +54,7 @@ impl App {
             let still = (mode == Mode::Reference).then(|| still.picture(wanted.as_ref())).flatten();
             // Numbers of partial subjects must not be those of revisions.
             if let Some((subject, number)) = watched.filter(|_| matches!(mode, Mode::Single | Mode::Layered)) {
-                return Given { subject: Some(subject), lines: None, still: None, number: u64::MAX - number };
+                return Given { subject: Some(subject), lines: None, still: None, number: u64::MAX - number, moment };
             }
             let (subject, number) = match (mode.method(), &shown) {
                 (Some(method), Some(shown)) => synth.subject(method, shown),
@@ -57,7 +62,7 @@ impl App {
                 _ => (own, number),
             };
             let lines = shown.as_ref().and_then(|s| side.lines(s.number(), which));
-            Given { subject, lines, still, number }
+            Given { subject, lines, still, number, moment }
         };
         let begin = Instant::now();
         let seen = self.viewport.show(ui, &self.graphics, bounds, pointed.held, given);
@@ -74,6 +79,30 @@ impl App {
             }
             self.watch_view(ui, shown, &seen.response);
         }
+    }
+
+    /// True if exemplars are shown that go by time.
+    #[must_use]
+    pub fn changes(&self) -> bool {
+        self.shown.as_ref().and_then(|shown| shown.lapped()).is_some_and(|lapped| duration(&lapped.exemplars) > 0.0)
+    }
+
+    /// Shows exemplars that go by time as they are now; a number that is another with every other frame.
+    fn play(&mut self, ui: &Ui, shown: &Shown) -> u64 {
+        let Some(lapped) = shown.lapped().filter(|_| self.changes()) else {
+            self.viewport.playing = false;
+            return 0;
+        };
+        if self.viewport.playing {
+            self.viewport.clock += f64::from(ui.input(|i| i.unstable_dt)).min(LONGEST_STEP);
+        }
+        let clock = self.viewport.clock;
+        let left = self.graphics.renderer.set_time(shown.subject.patches(), clock);
+        if self.viewport.playing && left.is_finite() {
+            ui.ctx().request_repaint_after_secs(left as f32);
+        }
+        let frames = lapped.exemplars.iter().filter_map(Exemplar::frames);
+        frames.fold(0, |number, frames| number * frames.count() as u64 + frames.at(clock) as u64)
     }
 
     /// What watching does with the view.

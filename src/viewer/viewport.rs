@@ -31,6 +31,8 @@ pub struct Given<'a> {
     pub still: Option<egui::TextureId>,
     /// Counts up with every other subject.
     pub number: u64,
+    /// Another number with every other frame of exemplars that go by time.
+    pub moment: u64,
 }
 
 /// Everything that a frame depends on.
@@ -42,6 +44,7 @@ struct Key3 {
     light: Light,
     options: DrawOptions,
     number: u64,
+    moment: u64,
     lines: u64,
 }
 
@@ -56,6 +59,10 @@ pub struct Viewport {
     pub split: Option<f32>,
     /// Goes around by itself.
     pub turntable: bool,
+    /// Whether exemplars that go by time change.
+    pub playing: bool,
+    /// Seconds that they have been changing for.
+    pub clock: f64,
     /// The light.
     pub light: Light,
     /// What is behind.
@@ -79,6 +86,8 @@ impl Default for Viewport {
             modes: [Mode::Single, Mode::Pastes],
             split: None,
             turntable: false,
+            playing: false,
+            clock: 0.0,
             light: Light::default(),
             backdrop: Backdrop::default(),
             panes: Default::default(),
@@ -238,7 +247,16 @@ impl Viewport {
         for (i, mode) in self.seen_modes().collect::<Vec<_>>().into_iter().enumerate() {
             let given = given(mode);
             let lines = given.lines.map_or(0, |(_, number)| number);
-            let key = Key3 { size, orbit: self.orbit, mode, light: self.light, options, number: given.number, lines };
+            let key = Key3 {
+                size,
+                orbit: self.orbit,
+                mode,
+                light: self.light,
+                options,
+                number: given.number,
+                moment: given.moment,
+                lines,
+            };
             if let Some(subject) = given.subject.filter(|_| self.drawn[i].as_ref() != Some(&key)) {
                 let path = if mode == Mode::Layered { Path::Layered } else { Path::Single };
                 if self.drawn[i].as_ref().is_none_or(|old| old.number != key.number || old.mode != mode) {

@@ -306,6 +306,43 @@ fn other_exemplars_stand_under_the_same_pastes_without_pasting_again() {
 
 #[test]
 #[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn exemplars_that_go_by_time_show_each_frame_for_its_while() {
+    let color = |name: &str| {
+        let mut exemplar = resized(&lapped::assets::exemplar(name).unwrap(), [64, 64]).into_owned();
+        Channel::ALL.into_iter().for_each(|c| exemplar.remove(c));
+        exemplar
+    };
+    let mut first = color("moss");
+    first.set_frames(FramesBy::Time, vec![color("rust"), color("stone")], vec![0.5, 0.25, 1.0]).unwrap();
+    // A second exemplar, so that frames stand between the two.
+    let pasted = pasted_with("vase", vec![first, color("wood")], 30.0, false);
+    let (options, grid) = (DrawOptions::default(), Grid { width: 160, height: 160, samples: 2 });
+    let stage = Stage::new(&pasted.mesh, &options);
+    let camera = View::default().frame(&pasted.mesh, 1.0);
+    for renderer in renderers() {
+        let subject = renderer.load(&stage, &pasted.lapped).unwrap();
+        let mut seen = Vec::new();
+        for (seconds, left) in [(0.1, 0.4), (0.6, 0.15), (1.0, 0.75), (1.85, 0.4)] {
+            assert!((renderer.set_time(subject.patches(), seconds) - left).abs() < 1e-9, "at {seconds} s it holds for {left}");
+            let played = renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap();
+            let still = LappedTexture {
+                exemplars: pasted.lapped.exemplars.iter().map(|e| e.at(seconds)).collect(),
+                ..pasted.lapped.clone()
+            };
+            let loaded = renderer.draw(&renderer.load(&stage, &still).unwrap(), &stage, &camera, grid, Path::Single).unwrap();
+            assert_eq!(played, loaded, "at {seconds} s as if that frame had been loaded alone");
+            seen.push(played);
+        }
+        assert_eq!(seen[0], seen[3], "they come round");
+        assert!(seen[0] != seen[1] && seen[1] != seen[2], "and differ");
+        let still =
+            renderer.load(&stage, &LappedTexture { exemplars: vec![color("moss"), color("wood")], ..pasted.lapped.clone() });
+        assert_eq!(renderer.set_time(still.unwrap().patches(), 3.0), f64::INFINITY, "what does not change holds without end");
+    }
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn the_texture_stays_in_place_on_a_mesh_that_moves() {
     let pasted = pasted("dragonling", &["fur"], 40.0, true);
     let options = DrawOptions { occlusion: false, ..DrawOptions::default() };

@@ -6,6 +6,8 @@ use crate::common::{Bench, differ};
 use egui_kittest::kittest::NodeT;
 use lapped::job::Link;
 use lapped::job::project::Direction;
+use lapped::render::Picture;
+use lapped::render::animation::Film;
 use lapped::viewer::Mode;
 use lapped::viewer::lines::Lines;
 
@@ -126,4 +128,48 @@ fn an_atlas_is_baked_and_looks_like_what_was_baked() {
     bench.app_mut().set_model(Link::BuiltIn("vase".into()));
     bench.settle();
     assert!(bench.told().is_empty(), "{}", bench.told());
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn exemplars_that_go_by_time_change_while_they_are_played() {
+    let mut bench = Bench::new([900.0, 600.0], 1.0);
+    // Red and blue blobs in turn, half a second each.
+    let path = bench.home.path().join("blinking.png");
+    let mut file = Vec::new();
+    let mut film = Film::apng(&mut file, [64, 64], 2, 2).unwrap();
+    for (red, blue) in [(255, 0), (0, 255)] {
+        let mut frame = Picture::filled(64, 64, [0, 0, 0, 255]);
+        for (i, pixel) in frame.rgba.as_chunks_mut::<4>().0.iter_mut().enumerate() {
+            let grey = 40 + 25 * ((i % 64 / 8 * 5 + i / 64 / 8 * 3) % 9) as u32;
+            (pixel[0], pixel[2]) = ((red * grey / 255) as u8, (blue * grey / 255) as u8);
+        }
+        film.push(&frame).unwrap();
+    }
+    film.finish().unwrap();
+    std::fs::write(&path, file).unwrap();
+    bench.begin("vase", "bricks");
+    assert!(!bench.app().changes(), "bricks stay");
+    bench.app_mut().set_exemplars(vec![Link::File(path)]);
+    bench.settle();
+    assert!(bench.app().changes() && !bench.app().viewport.playing, "it could change, and waits for somebody to ask for it");
+    // More red than blue, or the other way, over the whole window.
+    let is_red = |bench: &mut Bench| {
+        let picture = bench.picture("played");
+        let sum = |c: usize| picture.pixels().map(|p| u64::from(p.0[c])).sum::<u64>();
+        sum(0) > sum(2)
+    };
+    bench.harness.key_press(egui::Key::K);
+    let mut seen = Vec::new();
+    for _ in 0..12 {
+        bench.harness.step();
+        seen.push(is_red(&mut bench));
+    }
+    assert!(seen.contains(&true) && seen.contains(&false), "it changes: {seen:?}");
+    assert!(seen.windows(2).filter(|w| w[0] != w[1]).count() >= 2, "again and again: {seen:?}");
+    bench.harness.key_press(egui::Key::K);
+    bench.harness.run_steps(2);
+    let clock = bench.app().viewport.clock;
+    bench.harness.run_steps(6);
+    assert_eq!((bench.app().viewport.playing, bench.app().viewport.clock), (false, clock), "and stops");
 }

@@ -25,7 +25,25 @@ pub struct PatchTextures {
     patches: usize,
     bytes: u64,
     warnings: Vec<String>,
+    /// What each patch is, `PATCH_WORDS` numbers each.
+    table: wgpu::Buffer,
+    timed: Vec<Timed>,
 }
+
+/// An exemplar that changes with time.
+#[derive(Debug)]
+struct Timed {
+    /// Its first frame in the table of exemplars.
+    first: u32,
+    /// The patches that show it.
+    patches: Vec<u32>,
+    /// When which frame shows.
+    frames: Frames,
+}
+
+/// Numbers of a patch in its table, and the place of its exemplar among them (`Patch` in shaders/paste.wgsl).
+const PATCH_WORDS: u64 = 10;
+const PATCH_EXEMPLAR: u64 = 7;
 
 /// The channel groups: their names and, for each, the channels.
 const GROUPS: [(&str, &[Channel]); 4] = [
@@ -45,7 +63,8 @@ impl PatchTextures {
     ) -> Result<Self, GpuError> {
         let longest = gpu.limits.max_texture_dimension_2d;
         let mut warnings = Vec::new();
-        let (frames, first) = with_frames(exemplars);
+        let layers = gpu.limits.max_texture_array_layers as usize;
+        let (frames, first) = with_frames(exemplars, layers, &mut warnings);
         let (arrays, exemplar_table) = upload_exemplars(gpu, &frames, longest, &mut warnings)?;
         let (masks, patch_table) = upload_masks(gpu, patches, &first, longest, &mut warnings)?;
         let patch_table = words(gpu, "patches", bytemuck::cast_slice(&patch_table));
@@ -75,13 +94,39 @@ impl PatchTextures {
         let bytes = std::iter::once(&masks).chain(&arrays).map(Layers::bytes).sum::<u64>();
         gpu.queue.submit([]);
         gpu.check()?;
+        let of = |number: usize| {
+            (0_u32..).zip(patches).filter(move |(_, p)| usize::from(p.exemplar) == number).map(|(i, _)| i).collect()
+        };
+        let whole = |number: usize| first.get(number + 1).map_or(frames.len(), |&next| next as usize) - first[number] as usize;
+        let timed = exemplars.iter().enumerate().filter_map(|(number, exemplar)| {
+            let shown = exemplar.frames().filter(|f| f.by() == FramesBy::Time && f.count() == whole(number))?;
+            Some(Timed { first: first[number], patches: of(number), frames: shown.clone() })
+        });
         Ok(Self {
+            timed: timed.collect(),
             bindings,
             channels: exemplars.iter().fold(ChannelSet::default(), |set, e| set.union(e.channels())),
             patches: patches.len(),
             bytes: bytes + patch_table.size() + exemplar_table.size(),
+            table: patch_table,
             warnings,
         })
+    }
+
+    /// Shows exemplars that change with time as they are so many seconds after their first frame, wherever these patches stand under pastes,
+    /// from the next commands on. How many seconds that goes on being right: without end if nothing changes.
+    pub(super) fn set_time(&self, gpu: &Gpu, seconds: f64) -> f64 {
+        let mut left = f64::INFINITY;
+        for timed in &self.timed {
+            let (frame, rest) = timed.frames.moment(seconds);
+            left = left.min(rest);
+            let exemplar = timed.first + frame as u32;
+            for &patch in &timed.patches {
+                let at = 4 * (PATCH_WORDS * u64::from(patch) + PATCH_EXEMPLAR);
+                gpu.queue.write_buffer(&self.table, at, &exemplar.to_le_bytes());
+            }
+        }
+        left
     }
 
     /// How many texture patches there are.
@@ -116,17 +161,28 @@ struct Framed<'a> {
     flags: u32,
 }
 
-/// Exemplars, each followed by its other frames if they go by view or light; and where each begins. Those that go by time show the
-/// frame they are given as.
-fn with_frames(exemplars: &[Exemplar]) -> (Vec<Framed<'_>>, Vec<u32>) {
+/// Exemplars, each followed by its other frames; and where each begins. Of those that go by time only the first frame is kept if there
+/// are more of all frames than `most`.
+fn with_frames<'a>(exemplars: &'a [Exemplar], most: usize, warnings: &mut Vec<String>) -> (Vec<Framed<'a>>, Vec<u32>) {
+    let count = |e: &Exemplar| e.frames().map_or(1, Frames::count);
+    let fit = exemplars.iter().map(count).sum::<usize>() <= most;
     let mut all = Vec::with_capacity(exemplars.len());
     let mut first = Vec::with_capacity(exemplars.len());
     for exemplar in exemplars {
         first.push(all.len() as u32);
         let repeats = u32::from(exemplar.wrap == Wrap::Repeat);
-        let frames = exemplar.frames().filter(|f| f.by() != FramesBy::Time);
+        let frames = exemplar.frames().filter(|f| fit || f.by() != FramesBy::Time);
+        if let (None, Some(left_out)) = (frames, exemplar.frames()) {
+            let (name, count) = (&exemplar.name, left_out.count());
+            warnings
+                .push(format!("exemplar {name}: its {count} frames are more than this graphics adapter takes; the first is shown"));
+        }
         let others = frames.map_or(&[][..], Frames::others);
-        let by = frames.map_or(0, |f| if f.by() == FramesBy::View { BY_VIEW } else { BY_LIGHT });
+        let by = match frames.map(Frames::by) {
+            Some(FramesBy::View) => BY_VIEW,
+            Some(FramesBy::Light) => BY_LIGHT,
+            Some(FramesBy::Time) | None => 0,
+        };
         all.push(Framed { exemplar, flags: repeats | by | (others.len() as u32) << FRAMES });
         all.extend(others.iter().map(|exemplar| Framed { exemplar, flags: repeats }));
     }

@@ -80,6 +80,12 @@ impl Renderer {
         PatchTextures::new(&self.gpu, &self.layouts.patches, self.options.filter, exemplars, patches)
     }
 
+    /// Shows exemplars that change with time as they are so many seconds after their first frame, wherever these patches are drawn from now
+    /// on. How many seconds that goes on being right: without end if nothing changes.
+    pub fn set_time(&self, patches: &PatchTextures, seconds: f64) -> f64 {
+        patches.set_time(&self.gpu, seconds)
+    }
+
     /// Moves a subject's vertices to where they are on another stage: the same faces, new positions.
     ///
     /// # Errors

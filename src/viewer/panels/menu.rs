@@ -52,10 +52,12 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         });
         ui.menu_button("View", |ui| {
             use Action::{
-                Arrows, Comb, Compare, Cut, Edges, Figures, Frame, Gallery, NextMode, Singularities, Split, Streamlines, Theme,
-                Turntable, Watch,
+                Arrows, Comb, Compare, Cut, Edges, Figures, Frame, Gallery, NextMode, Play, Singularities, Split, Streamlines,
+                Theme, Turntable, Watch,
             };
-            [Frame, Turntable, Split, NextMode, Compare].into_iter().for_each(|a| item(ui, a, true, &mut asked));
+            [Frame, Turntable].into_iter().for_each(|a| item(ui, a, true, &mut asked));
+            item(ui, Play, app.changes(), &mut asked);
+            [Split, NextMode, Compare].into_iter().for_each(|a| item(ui, a, true, &mut asked));
             ui.separator();
             [Comb, Cut, Watch].into_iter().for_each(|a| item(ui, a, app.shown.is_some(), &mut asked));
             ui.separator();
