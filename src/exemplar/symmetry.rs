@@ -15,6 +15,7 @@ use super::{Channel, Exemplar, Image};
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 /// Side of the square that the spectrum is taken of, pixels.
@@ -53,6 +54,8 @@ const GRID_OVER_LINES: f64 = 1.7;
 /// share of it from which that is layers rather than cells.
 const BUILT: f64 = 0.22;
 const LAYERS: f64 = 0.8;
+/// So is one above this sixth harmonic.
+const SIX: f64 = 0.35;
 
 /// An exemplar with no more than this in any harmonic has no direction at all; turned windows may then miss this much, for want of
 /// others to be found among.
@@ -109,8 +112,18 @@ impl std::fmt::Display for Symmetry {
 /// Finds the symmetry of an exemplar by its colour, over black or white where it has opacity; `None` without a colour.
 #[must_use]
 pub fn exemplar_symmetry(exemplar: &Exemplar) -> Option<Symmetry> {
+    over_grey(exemplar).map(|image| symmetry(&image))
+}
+
+/// Whether an exemplar looks the same every way, as [`exemplar_symmetry`] tells it, which takes longer.
+#[must_use]
+pub fn looks_same_every_way(exemplar: &Exemplar) -> bool {
+    over_grey(exemplar).is_some_and(|image| Shape::new(&grey(&image)).is_isotropic())
+}
+
+fn over_grey(exemplar: &Exemplar) -> Option<Cow<'_, Image>> {
     let color = exemplar.channel(Channel::BaseColor)?.finest();
-    let Some(opacity) = exemplar.channel(Channel::Opacity).map(MipChain::finest) else { return Some(symmetry(color)) };
+    let Some(opacity) = exemplar.channel(Channel::Opacity).map(MipChain::finest) else { return Some(Cow::Borrowed(color)) };
     let [width, height] = color.size();
     let alpha = |x: u32, y: u32| opacity.grey(x.into(), y.into());
     let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -119,34 +132,78 @@ pub fn exemplar_symmetry(exemplar: &Exemplar) -> Option<Symmetry> {
         (sum + color.pixel(x.into(), y.into()).element_sum() / 3.0 * alpha(x, y), count + alpha(x, y))
     });
     let behind = Vec3::splat(if sum > BRIGHT * count { 0.0 } else { 1.0 });
-    Some(symmetry(&Image::from_fn(width, height, |x, y| behind.lerp(color.pixel(x.into(), y.into()), alpha(x, y)))))
+    Some(Cow::Owned(Image::from_fn(width, height, |x, y| behind.lerp(color.pixel(x.into(), y.into()), alpha(x, y)))))
+}
+
+/// What the spectrum alone says of an image.
+struct Shape {
+    spectrum: Vec<f64>,
+    harmonics: [f64; 3],
+    /// The way across its lines, if it has any.
+    across: f64,
+    /// What windows are searched in.
+    searched: Grey,
+}
+
+impl Shape {
+    fn new(grey: &Grey) -> Self {
+        let spectrum = by_angle(&flattened(&square(grey, SPECTRUM)));
+        let harmonic = |m: f64| -> DVec2 {
+            let total: f64 = spectrum.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+            let at = |(i, e): (usize, &f64)| DVec2::from_angle(m * (i as f64 + 0.5) * PI / BINS as f64) * (e / total);
+            spectrum.iter().enumerate().map(at).sum()
+        };
+        let harmonics = [2.0, 4.0, 6.0].map(|m| harmonic(m).length());
+        let across = harmonic(2.0).to_angle() / 2.0;
+        Self { spectrum, harmonics, across, searched: softened(&fitted(grey, SEARCHED)) }
+    }
+
+    /// Broad maxima of the spectrum are chance; lines, or one set of a grid's, are narrow ones.
+    fn is_narrow(&self) -> bool {
+        self.harmonics[0] > LINES && self.harmonics[1] > NARROW
+    }
+
+    fn is_built(&self) -> bool {
+        self.harmonics[1] > BUILT || self.harmonics[2] > SIX
+    }
+
+    /// What odd turns may miss on the mean if it is to look the same every way.
+    fn most_missed(&self) -> f64 {
+        let shapeless = self.harmonics.iter().all(|&h| h < NO_HARMONIC);
+        if shapeless { FITS_LOOSELY } else { FITS }
+    }
+
+    fn is_isotropic(&self) -> bool {
+        // A grid is built.
+        !self.is_narrow() && !self.is_built() && mean(&misses(&self.searched, &ODD.map(|k| TURNS[k]))) < self.most_missed()
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Finds the symmetry of an image.
 #[must_use]
 pub fn symmetry(image: &Image) -> Symmetry {
     let grey = grey(image);
-    let spectrum = by_angle(&flattened(&square(&grey, SPECTRUM)));
-    let harmonic = |m: f64| -> DVec2 {
-        let total: f64 = spectrum.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let at = |(i, e): (usize, &f64)| DVec2::from_angle(m * (i as f64 + 0.5) * PI / BINS as f64) * (e / total);
-        spectrum.iter().enumerate().map(at).sum()
-    };
-    let harmonics = [2.0, 4.0, 6.0].map(|m| harmonic(m).length());
-    let misses = misses(&softened(&fitted(&grey, SEARCHED)));
+    let shape = Shape::new(&grey);
+    let misses: [f64; 8] = std::array::from_fn({
+        let found = misses(&shape.searched, &TURNS);
+        move |k| found[k]
+    });
     let fits = |turn: usize| misses[turn] < FITS;
-    let odd = ODD.iter().map(|&t| misses[t]).sum::<f64>() / ODD.len() as f64;
-    let [two, four, six] = harmonics;
+    let odd = mean(&ODD.map(|k| misses[k]));
+    let harmonics = shape.harmonics;
+    let [two, four, _] = harmonics;
     // Squares: two sets of lines, whose windows fit a quarter of a turn on far better than in between.
     let between = (misses[2] + misses[3] + misses[4]) / 3.0;
     let grid = four > GRID && four > GRID_OVER_LINES * two && (fits(1) || misses[1] < 0.5 * between);
-    // Broad maxima of the spectrum are chance; lines are narrow ones.
-    let lines = !grid && two > LINES && four > NARROW;
-    let built = four > BUILT || six > GRID;
-    let shapeless = harmonics.iter().all(|&h| h < NO_HARMONIC);
-    let isotropic = !grid && !lines && !built && odd < if shapeless { FITS_LOOSELY } else { FITS };
+    let lines = !grid && shape.is_narrow();
+    let built = shape.is_built();
+    let isotropic = !grid && !lines && !built && odd < shape.most_missed();
     // Lines run across the waves they are made of.
-    let across = narrowed(&spectrum, harmonic(2.0).to_angle() / 2.0);
+    let across = narrowed(&shape.spectrum, shape.across);
     // That one flank of a line is the steeper is common and hurts nobody; along lines a slope means an up.
     let has_up = !grid
         && match slope(&grey) {
@@ -350,71 +407,62 @@ fn transform(data: &mut [DVec2]) {
     }
 }
 
-/// What windows miss when they are turned by each of [`TURNS`].
-fn misses(grey: &Grey) -> [f64; 8] {
+/// What windows miss when they are turned by each of these, degrees: 0 nothing, 1 everything.
+fn misses(grey: &Grey, turns: &[f64]) -> Vec<f64> {
     let (w, h) = (grey.width as i64, grey.height as i64);
     // A turned window must lie within the image whole.
     let margin = RADIUS + 1;
     if w < 2 * margin + APART || h < 2 * margin + APART {
-        return [1.0; 8];
+        return vec![1.0; turns.len()];
     }
-    let disc: Vec<(i64, i64)> = (-RADIUS..=RADIUS)
-        .flat_map(|y| (-RADIUS..=RADIUS).map(move |x| (x, y)))
-        .filter(|(x, y)| x * x + y * y <= RADIUS * RADIUS)
-        .collect();
     let place = |i: usize, n: i64| margin + (n - 1 - 2 * margin) * (2 * i as i64 + 1) / (2 * WINDOWS as i64);
     let places: Vec<(i64, i64)> = (0..WINDOWS * WINDOWS).map(|i| (place(i % WINDOWS, w), place(i / WINDOWS, h))).collect();
-    // Per window: the best match unturned elsewhere, each turn's, and how much there is to match.
-    let window = |&(cx, cy): &(i64, i64)| -> [f64; 10] {
-        let best = |turn: f64, apart: bool| {
+    // Rows of a window, the longest first: they tell most.
+    let mut rows: Vec<(i64, i64)> = (-RADIUS..=RADIUS)
+        .map(|dy| (dy, (0..=RADIUS).rev().find(|dx| dx * dx + dy * dy <= RADIUS * RADIUS).unwrap_or(0)))
+        .collect();
+    rows.sort_by_key(|&(dy, half)| (-half, dy));
+    // Per window: how much there is to match, the best match unturned elsewhere, and each turn's.
+    let window = |&(cx, cy): &(i64, i64)| -> Vec<f64> {
+        let best = |turn: f64| {
             let (sine, cosine) = turn.to_radians().sin_cos();
-            // Every template lies between pixels alike, so that none is sharper than the others.
-            let template: Vec<f32> = disc
-                .iter()
-                .map(|&(x, y)| {
-                    let (x, y) = (x as f64, y as f64);
-                    grey.bilinear(cx as f64 + 0.35 + cosine * x - sine * y, cy as f64 + 0.35 + sine * x + cosine * y)
-                })
-                .collect();
+            let turned = |dx: i64, dy: i64| {
+                let (x, y) = (dx as f64, dy as f64);
+                // Every template lies between pixels alike, so that none is sharper than the others.
+                grey.bilinear(cx as f64 + 0.35 + cosine * x - sine * y, cy as f64 + 0.35 + sine * x + cosine * y)
+            };
+            let template: Vec<Vec<f32>> =
+                rows.iter().map(|&(dy, half)| (-half..=half).map(|dx| turned(dx, dy)).collect()).collect();
             let mut best = f32::INFINITY;
+            let mut sums = vec![0.0; (w - 2 * margin) as usize];
             for y in margin..h - margin {
-                for x in margin..w - margin {
-                    if apart && (x - cx).abs() < APART && (y - cy).abs() < APART {
-                        continue;
+                // All places of a row at a time.
+                sums.fill(0.0);
+                for (&(dy, half), told) in rows.iter().zip(&template) {
+                    let row = &grey.data[((y + dy) * w) as usize..][..w as usize];
+                    for (dx, &told) in (-half..=half).zip(told) {
+                        let found = &row[(margin + dx) as usize..];
+                        sums.iter_mut().zip(found).for_each(|(sum, &value)| *sum += (value - told) * (value - told));
                     }
-                    let mut sum = 0.0;
-                    for (chunk, told) in disc.chunks(16).zip(template.chunks(16)) {
-                        for (&(dx, dy), &t) in chunk.iter().zip(told) {
-                            let d = grey.data[((y + dy) * w + x + dx) as usize] - t;
-                            sum += d * d;
-                        }
-                        if sum >= best {
-                            break;
-                        }
+                    if sums.iter().all(|&sum| sum >= best) {
+                        break;
                     }
-                    best = best.min(sum);
                 }
+                let near = |x: usize| (x as i64 + margin - cx).abs() < APART && (y - cy).abs() < APART;
+                best = (0..sums.len()).filter(|&x| !near(x)).map(|x| sums[x]).fold(best, f32::min);
             }
             f64::from(best)
         };
-        let values = disc.iter().map(|&(x, y)| f64::from(grey.at(cx + x, cy + y)));
-        let mean = values.clone().sum::<f64>() / disc.len() as f64;
-        let spread: f64 = values.map(|v| (v - mean).powi(2)).sum();
-        let mut out = [0.0; 10];
-        (out[0], out[1]) = (best(0.0, true), spread);
-        for (k, &turn) in TURNS.iter().enumerate() {
-            out[k + 2] = best(turn, true);
-        }
-        out
+        let values = || rows.iter().flat_map(|&(dy, half)| (-half..=half).map(move |dx| f64::from(grey.at(cx + dx, cy + dy))));
+        let mean = values().sum::<f64>() / values().count() as f64;
+        let spread = values().map(|v| (v - mean).powi(2)).sum();
+        [spread, best(0.0)].into_iter().chain(turns.iter().map(|&turn| best(turn))).collect()
     };
-    let found: Vec<[f64; 10]> = places.par_iter().map(window).collect();
+    let found: Vec<Vec<f64>> = places.par_iter().map(window).collect();
     let sum = |k: usize| found.iter().map(|f| f[k]).sum::<f64>();
-    let (unturned, spread) = (sum(0), sum(1));
-    let mut out = [0.0; 8];
-    for (k, miss) in out.iter_mut().enumerate() {
-        *miss = ((sum(k + 2) - unturned) / (spread - unturned).max(1e-9 + 0.1 * spread)).clamp(0.0, 1.0);
-    }
-    out
+    let (spread, unturned) = (sum(0), sum(1));
+    let miss = |k: usize| ((sum(k + 2) - unturned) / (spread - unturned).max(1e-9 + 0.1 * spread)).clamp(0.0, 1.0);
+    (0..turns.len()).map(miss).collect()
 }
 
 #[cfg(test)]
@@ -470,6 +518,22 @@ mod tests {
         let found =
             symmetry(&picture(|x, y| dots.iter().map(|d| (-((x - d[0]).powi(2) + (y - d[1]).powi(2)) / 6.0).exp()).sum::<f32>()));
         assert!(found.isotropic && found.direction.is_none(), "{found:?}");
+    }
+
+    #[test]
+    fn the_short_question_has_the_answer_of_the_long_one() {
+        let mut random = Random::new(9, 0);
+        let dots: Vec<[f32; 2]> = (0..700).map(|_| [random.range(0.0, 160.0) as f32, random.range(-160.0, 0.0) as f32]).collect();
+        let dot = |x: f32, y: f32| dots.iter().map(|d| (-((x - d[0]).powi(2) + (y - d[1]).powi(2)) / 6.0).exp()).sum::<f32>();
+        let mut answers = Vec::new();
+        // From dots at random to stripes, and past where one becomes the other.
+        for share in [0.0, 0.1, 0.2, 0.3, 0.5, 1.0] {
+            let image = picture(|x, y| dot(x, y) * (1.0 - share) + share * wave(x, y, 30.0, 11.0));
+            let answer = looks_same_every_way(&Exemplar::new("mixed", image.clone()));
+            assert_eq!(answer, symmetry(&image).isotropic, "stripes for {share}");
+            answers.push(answer);
+        }
+        assert!(answers[0] && !answers[5], "{answers:?}");
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub use seam::{ContrastStatistics, CutStatistics};
 pub use statistics::SpreadSummary;
 pub use watch::Growth;
 
-use crate::exemplar::symmetry::exemplar_symmetry;
+use crate::exemplar::symmetry::looks_same_every_way;
 use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::Guide;
 use crate::mesh::Mesh;
@@ -430,8 +430,7 @@ pub fn cover(
     }
     if options.hide_hard_edges && options.overlays {
         let directed = guide.field().is_some();
-        let same: Vec<bool> =
-            exemplars.par_iter().map(|e| !directed || exemplar_symmetry(e).is_some_and(|found| found.isotropic)).collect();
+        let same: Vec<bool> = exemplars.par_iter().map(|e| !directed || looks_same_every_way(e)).collect();
         let loose: Vec<bool> = patches.iter().map(|p| same[p.exemplar as usize]).collect();
         statistics.overlays = lay_over_hard_edges(&mut work, &loose, options.seed, progress)?;
     }

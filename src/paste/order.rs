@@ -110,20 +110,60 @@ pub(super) fn visible_edge(
     list: &[(u32, u32)],
     (face, paste, edge): (u32, u32, u8),
 ) -> f64 {
-    let alpha = |&(p, slot): &(u32, u32), bary| paste_alpha(patches, &pastes[p as usize], slot, bary);
-    let from = list.partition_point(|(p, _)| *p < paste);
-    // A paste may have lost the face, where nothing of it shows.
-    if list.get(from).is_none_or(|(p, _)| *p != paste) {
-        return 0.0;
+    along(mesh, (face, edge), |bary| shown_alpha(patches, pastes, list, paste, bary, |_| true))
+}
+
+/// The length of one hard edge, weighted alike, that shows without the paste `over` and does not with it.
+pub(super) fn uncovered_edge(
+    mesh: &Mesh,
+    patches: &[TexturePatch],
+    pastes: &[Paste],
+    list: &[(u32, u32)],
+    (face, paste, edge): (u32, u32, u8),
+    over: u32,
+) -> f64 {
+    let Some(&(_, slot)) = list.iter().find(|e| e.0 == over) else { return 0.0 };
+    along(mesh, (face, edge), |bary| match paste_alpha(patches, &pastes[over as usize], slot, bary) {
+        hides if hides > 0.0 => hides * shown_alpha(patches, pastes, list, paste, bary, |p| p != over),
+        _ => 0.0,
+    })
+}
+
+/// Alpha of a paste at a point times what those above that `count` let through.
+fn shown_alpha(
+    patches: &[TexturePatch],
+    pastes: &[Paste],
+    list: &[(u32, u32)],
+    paste: u32,
+    bary: Vec3,
+    count: impl Fn(u32) -> bool,
+) -> f32 {
+    let mut shown = 1.0;
+    // From the top: what lies there mostly hides all, and the rest need not be asked.
+    for &(number, slot) in list.iter().rev().take_while(|e| e.0 >= paste).filter(|e| count(e.0)) {
+        let alpha = paste_alpha(patches, &pastes[number as usize], slot, bary);
+        if number == paste {
+            return shown * alpha;
+        }
+        shown *= 1.0 - alpha;
+        if shown <= 0.0 {
+            break;
+        }
     }
+    // A paste may have lost the face, where nothing of it shows.
+    0.0
+}
+
+/// World length of a face's edge times the mean along it.
+fn along(mesh: &Mesh, (face, edge): (u32, u8), value: impl Fn(Vec3) -> f32) -> f64 {
     let (a, b) = (usize::from(edge), (usize::from(edge) + 1) % 3);
-    let part = edge_steps().map(|t| {
+    let at = |t| {
         let mut bary = Vec3::ZERO;
         (bary[a], bary[b]) = (1.0 - t, t);
-        alpha(&list[from], bary) * list[from + 1..].iter().map(|entry| 1.0 - alpha(entry, bary)).product::<f32>()
-    });
+        value(bary)
+    };
     let p = mesh.corners(face);
-    p[a].distance(p[b]) * f64::from(part.sum::<f32>() / EDGE_SAMPLES as f32)
+    p[a].distance(p[b]) * f64::from(edge_steps().map(at).sum::<f32>() / EDGE_SAMPLES as f32)
 }
 
 /// Share of a hard edge that must show before it counts.

@@ -11,7 +11,7 @@
 use super::coverage::{Lattice, Tile};
 use super::lapped::{FaceLists, Paste};
 use super::layout::{Layout, LayoutInput};
-use super::order::{EdgesByFace, HardEdge, mask_pixels, permute, visible_edge};
+use super::order::{EdgesByFace, HardEdge, mask_pixels, permute, uncovered_edge, visible_edge};
 use super::stencil::Stencil;
 use super::window::waves;
 use rayon::prelude::*;
@@ -126,37 +126,35 @@ impl Pruner<'_> {
             list.reverse();
             self.look(face, list.into_iter(), &mut count);
         }
-        drawn <= 0 && self.uncovered_edges(k, &with, &without) <= self.own_edges(k, &with)
+        drawn <= 0 && self.uncovers_no_more_than(self.own_edges(k, &with), k, &with)
     }
 
     /// Length of a paste's own hard edges that shows.
     fn own_edges<L: Iterator<Item = (u32, u32)>>(&self, k: u32, with: &impl Fn(u32) -> L) -> f64 {
-        let shows = |e: &HardEdge| self.shows(&with(e.face).collect::<Vec<_>>(), (e.face, k, e.edge));
+        let LayoutInput { mesh, patches, .. } = *self.input;
+        let shows = |e: &HardEdge| visible_edge(mesh, patches, self.pastes, &with(e.face).collect::<Vec<_>>(), (e.face, k, e.edge));
         self.edges[k as usize].iter().map(shows).sum()
     }
 
-    /// Length of other pastes' hard edges that shows without a paste, and does not with it.
-    fn uncovered_edges<L: Iterator<Item = (u32, u32)>, M: Iterator<Item = (u32, u32)>>(
-        &self,
-        k: u32,
-        with: &impl Fn(u32) -> L,
-        without: &impl Fn(u32) -> M,
-    ) -> f64 {
+    /// True if no more than that length of other pastes' hard edges shows without a paste and does not with it.
+    fn uncovers_no_more_than<L: Iterator<Item = (u32, u32)>>(&self, most: f64, k: u32, with: &impl Fn(u32) -> L) -> bool {
         let mut sum = 0.0;
+        let mut list = Vec::new();
         for &face in &self.pastes[k as usize].faces {
             let edges = self.by_face.on(face);
-            if edges.iter().all(|e| e.1 >= k) {
+            let below = &edges[..edges.partition_point(|e| e.1 < k)];
+            if below.is_empty() {
                 continue;
             }
-            let (before, after): (Vec<_>, Vec<_>) = (with(face).collect(), without(face).collect());
-            for &edge in edges.iter().filter(|e| e.1 < k) {
-                sum += self.shows(&after, edge) - self.shows(&before, edge);
+            list.clear();
+            list.extend(with(face));
+            for &edge in below {
+                sum += uncovered_edge(self.input.mesh, self.input.patches, self.pastes, &list, edge, k);
+                if sum > most {
+                    return false;
+                }
             }
         }
-        sum
-    }
-
-    fn shows(&self, list: &[(u32, u32)], edge: (u32, u32, u8)) -> f64 {
-        visible_edge(self.input.mesh, self.input.patches, self.pastes, list, edge)
+        true
     }
 }

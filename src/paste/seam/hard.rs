@@ -60,8 +60,11 @@ impl Matcher<'_> {
         let Some(&entry) = list.get(own).filter(|entry| entry.0 == k) else { return };
         for Sample { bary, at, length } in samples(edge.edge, self.lapped.pastes[k as usize].uv[entry.1 as usize]) {
             let alpha = self.alpha(entry, bary, cuts);
+            if alpha < FAINT {
+                continue;
+            }
             let [covered, least] = self.below(&list[..own], bary, cuts, below);
-            if alpha < FAINT || least < COVERED {
+            if least < COVERED {
                 continue;
             }
             let weight = self.seen(list, own, bary) * alpha * length;
@@ -88,9 +91,15 @@ impl Matcher<'_> {
         let list = self.lists.of(face);
         let [its, own] = [other, k].map(|k| list.partition_point(|&(paste, _)| paste < k));
         for Sample { bary, at, length } in samples(edge, uv) {
-            let between: f32 = list[its + 1..own].iter().map(|&entry| 1.0 - self.alpha(entry, bary, cuts)).product();
-            let hides = self.alpha(list[own], bary, cuts);
-            let shows = self.alpha(list[its], bary, cuts) * between * hides;
+            // From the top: mostly something hides it all, and the rest need not be asked.
+            let mut shows = 1.0;
+            for (place, &entry) in list.iter().enumerate().take(own + 1).skip(its).rev() {
+                let alpha = self.alpha(entry, bary, cuts);
+                shows *= if place == own || place == its { alpha } else { 1.0 - alpha };
+                if shows < FAINT {
+                    break;
+                }
+            }
             if shows < FAINT {
                 continue;
             }
