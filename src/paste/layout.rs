@@ -248,7 +248,7 @@ impl<'a> Loop<'a> {
     pub fn lay_over(
         &mut self,
         points: &[SurfacePoint],
-        worth: &impl Fn(&Paste, &[HardEdge]) -> bool,
+        worth: &impl Fn(SurfacePoint, &Paste, &[HardEdge]) -> bool,
         progress: &dyn Progress,
     ) -> Result<usize, PasteError> {
         // A whole basis shears and stretches; only the field knows how.
@@ -280,7 +280,7 @@ impl<'a> Loop<'a> {
                 let Some(candidate) = candidate else { continue };
                 candidate.paste.faces.iter().for_each(|&f| done[f as usize] = true);
                 done[order.seed.face as usize] = true;
-                if worth(&candidate.paste, &candidate.edges) {
+                if worth(order.seed, &candidate.paste, &candidate.edges) {
                     taken.push((order, candidate));
                 }
             }

@@ -5,8 +5,8 @@
 //! the field's direction at its own seed and is free of it elsewhere is whole where others are shards. It is kept if it ends in fewer
 //! hard edges than it hides, and goes to where the order by hard edges puts it.
 //!
-//! Exemplars with a direction keep to the field, hard edges or not: whoever steered it asked for that. The paper leaves hard edges to
-//! future work (section 6).
+//! An exemplar with a direction keeps to the field, whose poles nothing that follows it can pass. So it too is laid straight over them,
+//! but over nothing else: whoever steered it asked for that. The paper leaves hard edges to future work (section 6).
 //!
 //! 1. Find how much of each hard edge shows.
 //! 2. Draw edges by that, and lay a paste at the middle of each ([`Loop::lay_over`]), one at a place.
@@ -16,7 +16,9 @@ use super::PasteError;
 use super::lapped::{FaceLists, Paste};
 use super::layout::Loop;
 use super::order::{HardEdge, mask_pixels, visible_edges};
-use crate::mesh::SurfacePoint;
+use crate::field::{Guide, turning_points};
+use crate::mesh::geodesic::Geodesic;
+use crate::mesh::{Mesh, NONE, SurfacePoint};
 use crate::progress::Progress;
 use crate::random::Random;
 use glam::Vec3;
@@ -33,14 +35,20 @@ const WORTH: f64 = 0.6;
 /// Edges of which less than this share shows are left alone.
 const SHOWS: f64 = 0.1;
 
+/// Pastes that follow the field elsewhere are laid straight over hard edges no further than this from a pole, in exemplar widths: so
+/// that it lies well inside them.
+const POLE: f64 = 0.25;
+
 /// Lays pastes over the hard edges that show of pastes sorted by them, and sorts again. `loose` says of each texture patch whether it
-/// need not follow the field; others are laid over nothing. Returns how many were laid.
+/// need not follow the field; others are laid over its poles alone. Returns how many were laid.
 ///
 /// # Errors
 /// If cancelled.
 pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress: &dyn Progress) -> Result<usize, PasteError> {
     let mesh = work.input().mesh;
-    if !loose.contains(&true) {
+    // Where every patch is loose poles do not matter.
+    let polar = if loose.contains(&false) { near_poles(mesh, work.input().guide) } else { vec![true; mesh.face_count()] };
+    if !loose.contains(&true) && !polar.contains(&true) {
         return Ok(0);
     }
     let mut laid = 0;
@@ -53,7 +61,7 @@ pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress:
         let mut points: Vec<(f64, SurfacePoint)> = Vec::new();
         for (edge, &shows) in edges.iter().flatten().zip(shows.iter().flatten()) {
             on_face[edge.face as usize] += shows;
-            if shows > SHOWS * f64::from(edge.weight) {
+            if shows > SHOWS * f64::from(edge.weight) && (polar[edge.face as usize] || loose.contains(&true)) {
                 let mut bary = Vec3::splat(0.5);
                 bary[(edge.edge as usize + 2) % 3] = 0.0;
                 // Sorted by this, they stand as if drawn one after the other by how much they show.
@@ -63,8 +71,8 @@ pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress:
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let points: Vec<SurfacePoint> = points.into_iter().map(|(_, point)| point).collect();
         let masks = work.input().masks;
-        let worth = |paste: &Paste, edges: &[HardEdge]| {
-            if !loose[paste.patch as usize] {
+        let worth = |seed: SurfacePoint, paste: &Paste, edges: &[HardEdge]| {
+            if !loose[paste.patch as usize] && !polar[seed.face as usize] {
                 return false;
             }
             let size = patches[paste.patch as usize].mask.size();
@@ -86,4 +94,26 @@ pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress:
         }
     }
     Ok(laid)
+}
+
+/// By face, whether a pole of the field is near.
+fn near_poles(mesh: &Mesh, guide: &Guide) -> Vec<bool> {
+    let mut near = vec![false; mesh.face_count()];
+    let Some(field) = guide.field() else { return near };
+    let first = mesh.vertex_half_edges();
+    let at = |vertex: u32| {
+        let corner = first[vertex as usize];
+        (corner != NONE).then(|| {
+            let mut bary = Vec3::ZERO;
+            bary[corner as usize % 3] = 1.0;
+            SurfacePoint { face: corner / 3, bary }
+        })
+    };
+    let poles: Vec<SurfacePoint> = turning_points(mesh, field).into_iter().filter_map(|p| at(p.place)).collect();
+    let reach = |face: u32| POLE * f64::from(guide.scale(face));
+    let widest = (0..mesh.face_count() as u32).map(reach).fold(0.0, f64::max);
+    let mut geodesic = Geodesic::new(mesh);
+    geodesic.search(&poles, widest);
+    geodesic.for_each_reached_face(|face| near[face as usize] = geodesic.face(face) <= reach(face));
+    near
 }

@@ -223,3 +223,20 @@ pub(crate) fn along_y(mesh: &Mesh) -> Guide {
     };
     Guide::Directed(TangentField::along((0..mesh.face_count() as u32).map(up).collect()))
 }
+
+/// A torus about the z axis with a tube of 0.35.
+pub(crate) fn torus() -> Model {
+    let (n, m) = (48_u32, 24_u32);
+    let mut model = Model::default();
+    for i in 0..n {
+        for j in 0..m {
+            let (u, v) = (std::f32::consts::TAU * i as f32 / n as f32, std::f32::consts::TAU * j as f32 / m as f32);
+            let r = 1.0 + 0.35 * v.cos();
+            model.positions.push(Vec3::new(r * u.cos(), r * u.sin(), 0.35 * v.sin()));
+            let at = |i: u32, j: u32| (i % n) * m + j % m;
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            model.faces.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    model
+}

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 #![allow(clippy::print_stderr, reason = "measured figures, for whoever runs with --nocapture")]
 
-use crate::common::{draws_per_face, input, least_alpha, model_of, opened, pasted, sheet};
+use crate::common::{draws_per_face, input, least_alpha, model_of, opened, pasted, sheet, torus};
 use glam::{DVec3, Vec3};
 use lapped::exemplar::PatchSource;
 use lapped::field::{Constraint, Constraints, TangentField};
@@ -109,18 +109,7 @@ fn a_moebius_strip_is_covered_although_it_has_no_sides() {
 
 #[test]
 fn a_torus_is_covered_by_patches_larger_than_its_tube() {
-    let (n, m) = (48_u32, 24_u32);
-    let mut model = Model::default();
-    for i in 0..n {
-        for j in 0..m {
-            let (u, v) = (TAU * i as f32 / n as f32, TAU * j as f32 / m as f32);
-            let r = 1.0 + 0.35 * v.cos();
-            model.positions.push(Vec3::new(r * u.cos(), r * u.sin(), 0.35 * v.sin()));
-            let at = |i: u32, j: u32| (i % n) * m + j % m;
-            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            model.faces.extend([[a, b, c], [a, c, d]]);
-        }
-    }
+    let model = torus();
     for ratio in [0.5, 3.0, 30.0] {
         survives(&format!("torus, ratio {ratio}"), &model, "weave", Scale::Ratio(ratio));
     }
