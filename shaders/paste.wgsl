@@ -11,6 +11,8 @@ struct Paste {
     offset: vec2f,
     // How far it is from agreeing with what lies below, 0 to 2 (src/paste/contrast.rs).
     apart: f32,
+    // Cosine and sine of its content's turn about the mask's middle.
+    turn: vec2f,
 }
 
 // A face under a paste: texture coordinates of its corners over the mask, as bits. Where layers are mixed by weights, one entry
@@ -202,8 +204,14 @@ const CUT_STEPS = 128u;
 const CUT_UNITS = vec2f(1.0 / 204.0, 1.0 / 512.0);
 
 fn paste_at(index: u32) -> Paste {
-    let words = pastes[index];
-    return Paste(words.x & 0xffffu, words.y, bitcast<vec2f>(words.zw), f32(words.x >> 16u) * (2.0 / 255.0));
+    let words = pastes[2u * index];
+    let turn = bitcast<vec2f>(pastes[2u * index + 1u].xy);
+    return Paste(words.x & 0xffffu, words.y, bitcast<vec2f>(words.zw), f32(words.x >> 16u) * (2.0 / 255.0), turn);
+}
+
+// A step on a paste's mask as one on its exemplar.
+fn on_exemplar(paste: Paste, step: vec2f) -> vec2f {
+    return vec2f(step.x * paste.turn.x - step.y * paste.turn.y, step.x * paste.turn.y + step.y * paste.turn.x);
 }
 
 // Distance and width of a cut on one of its ways.
@@ -320,9 +328,9 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
         return layer;
     }
     let piece = on.piece;
-    let over = on.over;
-    let step1 = on.step1;
-    let step2 = on.step2;
+    let over = Footprint(on.over.lod, on_exemplar(on.paste, on.over.dx), on_exemplar(on.paste, on.over.dy));
+    let step1 = on_exemplar(on.paste, on.step1);
+    let step2 = on_exemplar(on.paste, on.step2);
 
     let frames = shown(piece.exemplar, g);
     let exemplar = exemplars[piece.exemplar];
@@ -330,7 +338,8 @@ fn show(entry: Entry, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> Lay
     let side = sign(on.turn);
     let right = unit((g.edge1 * step2.y - g.edge2 * step1.y) * side);
     let below = unit((g.edge2 * step1.x - g.edge1 * step2.x) * side);
-    var place = on.pixel + piece.origin + on.paste.offset;
+    let middle = 0.5 * piece.size;
+    var place = on_exemplar(on.paste, on.pixel - middle) + middle + piece.origin + on.paste.offset;
     if frame.parallax > 0.0 && exemplar.layers.y >= 0 && has(HEIGHT) {
         let slope = vec2f(dot(g.to_eye, right), dot(g.to_eye, below)) / max(abs(dot(g.to_eye, g.normal)), 0.2);
         place = relief(exemplar, place, slope, frame.parallax * exemplar.size.x, over);

@@ -8,6 +8,7 @@ use super::contrast::faded;
 use super::lapped::{AGREES, FaceLists, LappedTexture, Layer, Paste};
 use super::relief::{LEAST_COSINE, met};
 use super::stencil::pixel_blur;
+use super::turn::Turn;
 use crate::exemplar::frames::duration;
 use crate::exemplar::{Channel, ChannelSet, Exemplar, FramesBy, TexturePatch, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
@@ -163,6 +164,7 @@ impl<'a> Composite<'a> {
             Wrap::Repeat => place.rem_euclid(size),
         };
         let mut place = exemplar_pixel(patch, paste, pixel);
+        let image = image.turned(paste.turn);
         let relief = exemplar.channel(Channel::Height).filter(|_| self.parallax > 0.0);
         if let (Some(Sight { to_eye, .. }), Some(height)) = (ground.sight, relief) {
             let [right, down] = image.axes(ground);
@@ -195,10 +197,16 @@ impl<'a> Composite<'a> {
 /// What a paste without a channel contributes to it.
 const NEUTRAL: Texel = Texel::empty(Vec3::Z);
 
-/// Pixel of the exemplar under a pixel of the mask.
+/// Pixel of the exemplar under a pixel of the mask, before it is wrapped.
 #[inline]
-fn exemplar_pixel(patch: &TexturePatch, paste: &Paste, pixel: Vec2) -> Vec2 {
-    pixel + Vec2::new(patch.origin[0] as f32, patch.origin[1] as f32) + paste.offset
+#[must_use]
+pub fn exemplar_pixel(patch: &TexturePatch, paste: &Paste, pixel: Vec2) -> Vec2 {
+    let unmoved = Vec2::from(patch.origin.map(|o| o as f32)) + paste.offset;
+    if paste.turn == Turn::NONE {
+        return pixel + unmoved;
+    }
+    let middle = 0.5 * Vec2::from(patch.mask.size().map(|s| s as f32));
+    paste.turn.apply(pixel - middle) + middle + unmoved
 }
 
 /// Alpha of one paste at a point of its face number `slot`, at the finest level.
@@ -264,6 +272,11 @@ impl PixelMap {
 
     fn pixel(&self, bary: Vec3) -> Vec2 {
         self.0[0] * bary.x + self.0[1] * bary.y + self.0[2] * bary.z
+    }
+
+    /// How the exemplar lies on the face, but for where.
+    fn turned(self, turn: Turn) -> Self {
+        Self(self.0.map(|corner| turn.apply(corner)))
     }
 
     /// Mask pixels per world unit, the mean over directions, on a face of twice the area `area`.

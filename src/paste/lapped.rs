@@ -1,6 +1,7 @@
 //! The result of pasting: texture patches and the ordered pastes of them (LT 3.5).
 
 use super::cut::Cut;
+use super::turn::Turn;
 use crate::exemplar::{Exemplar, TexturePatch};
 use crate::mesh::SurfacePoint;
 use glam::{Vec2, Vec3};
@@ -17,6 +18,8 @@ pub struct Paste {
     pub uv: Vec<[Vec2; 3]>,
     /// Shift of the content under the mask, pixels of the exemplar.
     pub offset: Vec2,
+    /// Turn of the content about the mask's middle.
+    pub turn: Turn,
     /// Where it ends inside its mask; `None`: where the mask does.
     pub cut: Option<Box<Cut>>,
     /// How much what it shows along its border agrees with what lies below, in 255ths ([`contrast`](super::contrast)); [`AGREES`] mixes
@@ -114,6 +117,7 @@ mod tests {
             faces: faces.to_vec(),
             uv: vec![[Vec2::ZERO; 3]; faces.len()],
             offset: Vec2::ZERO,
+            turn: Turn::NONE,
             cut: None,
             agreement: AGREES,
         };

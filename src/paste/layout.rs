@@ -20,6 +20,7 @@ use super::order::{HardEdge, by_hard_edges, hard_edges, mask_pixels, permute};
 use super::seed::WeightedDraw;
 use super::statistics::Spread;
 use super::stencil::Stencil;
+use super::turn::Turn;
 use crate::exemplar::{CoverageMask, TexturePatch};
 use crate::field::Guide;
 use crate::mesh::disc::Scratch;
@@ -556,7 +557,8 @@ impl<'a> Loop<'a> {
 
 /// The paste of a laid patch: the faces that the mask reaches, and for each face of the disc its place among them.
 pub(super) fn record(laid: &Laid, patch: u16, plan: &PatchPlan, mask: &CoverageMask) -> (Paste, Vec<Option<u32>>) {
-    let mut paste = Paste { patch, faces: Vec::new(), uv: Vec::new(), offset: Vec2::ZERO, cut: None, agreement: AGREES };
+    let mut paste =
+        Paste { patch, faces: Vec::new(), uv: Vec::new(), offset: Vec2::ZERO, turn: Turn::NONE, cut: None, agreement: AGREES };
     let mut place = vec![None; laid.disc.faces.len()];
     for (i, &face) in laid.disc.faces.iter().enumerate() {
         let pixel = laid.disc.face_uv(i).map(|q| plan.mask_pixel(q));

@@ -32,7 +32,9 @@ pub mod seam;
 pub mod seed;
 pub mod statistics;
 pub mod stencil;
+mod turn;
 pub mod watch;
+mod ways;
 pub mod window;
 
 pub use composite::Composite;
@@ -45,9 +47,10 @@ pub use lapped::{AGREES, FaceLists, LappedTexture, Layer, Paste};
 pub use layout::Seeding;
 pub use seam::{ContrastStatistics, CutStatistics};
 pub use statistics::SpreadSummary;
+pub use turn::{TURNS, Turn};
 pub use watch::Growth;
 
-use crate::exemplar::symmetry::looks_same_every_way;
+use crate::exemplar::symmetry::{exemplar_symmetry, looks_same_every_way};
 use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::Guide;
 use crate::mesh::Mesh;
@@ -65,6 +68,7 @@ use seam::{choose_agreements, choose_cuts, see_without_holes};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
+use ways::Turns;
 use window::choose_windows;
 pub use window::{FINEST_WINDOW, WindowStatistics};
 
@@ -344,6 +348,10 @@ pub struct Covered {
     pitch: Vec<f32>,
     /// Mean scale.
     scale: f64,
+    /// The guide has a direction.
+    directed: bool,
+    /// Which exemplars look the same every way, if that was asked.
+    same: Vec<Option<bool>>,
     seed: u64,
     cull: bool,
     statistics: PasteStatistics,
@@ -428,10 +436,10 @@ pub fn cover(
     if options.hide_hard_edges {
         work.sort_by_hard_edges();
     }
-    if options.hide_hard_edges && options.overlays {
-        let directed = guide.field().is_some();
-        let same: Vec<bool> = exemplars.par_iter().map(|e| !directed || looks_same_every_way(e)).collect();
-        let loose: Vec<bool> = patches.iter().map(|p| same[p.exemplar as usize]).collect();
+    let overlays = options.hide_hard_edges && options.overlays;
+    let same: Vec<Option<bool>> = exemplars.par_iter().map(|e| overlays.then(|| looks_same_every_way(e))).collect();
+    if overlays {
+        let loose: Vec<bool> = patches.iter().map(|p| guide.field().is_none() || same[p.exemplar as usize] == Some(true)).collect();
         statistics.overlays = lay_over_hard_edges(&mut work, &loose, options.seed, progress)?;
     }
     let input = *work.input();
@@ -456,7 +464,7 @@ pub fn cover(
     statistics.seconds.total = begin.elapsed().as_secs_f64();
     let lapped = LappedTexture { exemplars, patches, pastes, layers: Vec::new() };
     let (scale, seed, cull) = (mean_scale(mesh, guide), options.seed, options.cull);
-    Ok(Covered { lapped, seedings, edges, masks, pitch, scale, seed, cull, statistics })
+    Ok(Covered { lapped, seedings, edges, masks, pitch, scale, directed: guide.field().is_some(), same, seed, cull, statistics })
 }
 
 impl Covered {
@@ -465,12 +473,13 @@ impl Covered {
     #[must_use]
     pub fn finish(self, mesh: &Mesh, asked: Finish, progress: &dyn Progress) -> (LappedTexture, Vec<Seeding>, PasteStatistics) {
         let begin = Instant::now();
-        let Self { mut lapped, mut seedings, mut edges, masks, pitch, scale, seed, cull, mut statistics } = self;
+        let Self { mut lapped, mut seedings, mut edges, masks, pitch, scale, directed, same, seed, cull, mut statistics } = self;
         // Before culling: what lies hidden below tells how the texture goes on.
         let pitch = |f: u32| f64::from(pitch[f as usize]);
         if asked.windows {
             progress.stage("choosing windows", 0);
-            statistics.windows = choose_windows(mesh.face_count(), &mut lapped, seed);
+            let turns = turns(&lapped, &same, directed);
+            statistics.windows = choose_windows(mesh.face_count(), &mut lapped, &turns, seed);
         }
         if asked.cuts {
             progress.stage("cutting borders", 0);
@@ -498,6 +507,22 @@ impl Covered {
         statistics.seconds.total += seconds;
         (lapped, seedings, statistics)
     }
+}
+
+/// How each exemplar may be turned under its masks. Those that look the `same` every way are turned only if nothing gives them a direction:
+/// a photograph's light then lies as it was told to.
+fn turns(lapped: &LappedTexture, same: &[Option<bool>], directed: bool) -> Vec<Turns> {
+    let of = |(k, exemplar): (usize, &Exemplar)| {
+        if !lapped.patches.iter().any(|p| p.slides && p.exemplar as usize == k) {
+            return Turns::None;
+        }
+        match (same[k].unwrap_or_else(|| looks_same_every_way(exemplar)), directed) {
+            (true, true) => Turns::None,
+            (true, false) => Turns::Any,
+            _ => exemplar_symmetry(exemplar).map_or(Turns::None, |found| Turns::Parts(found.n)),
+        }
+    };
+    lapped.exemplars.par_iter().enumerate().map(of).collect()
 }
 
 /// Mean draws per face, and per area.

@@ -12,12 +12,16 @@
 //!    band lies over pastes whose windows are known, and where bands of such pastes lie over it, as far as that shows.
 //! 3. On a level of a few dozen pixels every window is tried; the best few are followed to finer levels, pixel by pixel.
 //!
+//! 4. Exemplars that look the same turned are tried so ([`super::ways`]); a turn must be clearly better than none.
+//!
 //! An exemplar that tiles has all windows; any other those that keep the mask inside it. Colours and all other channels count as
 //! [`crate::exemplar::stack`] weighs them.
 
 use super::composite::paste_alpha;
 use super::lapped::{FaceLists, LappedTexture, Paste};
 use super::levels::Level;
+use super::turn::Turn;
+use super::ways::{Turns, Ways};
 use crate::exemplar::distance::distance;
 use crate::exemplar::{ChannelSet, Exemplar, TexturePatch, Wrap};
 use crate::random::Random;
@@ -34,6 +38,8 @@ const KEPT: usize = 4;
 /// Samples of one border on the level where every window is tried, and on finer ones.
 const COARSE_SAMPLES: usize = 96;
 const FINE_SAMPLES: usize = 256;
+/// Samples that are looked at before a window that is worse than others already is given up.
+const PART: usize = 16;
 /// Distance between neighbouring samples, as a share of the mask's longer side.
 const PITCH: f32 = 1.0 / 64.0;
 /// How far inside the feather the weight falls to 1/e, as a share of the mask's longer side: a course of bricks that goes on
@@ -45,6 +51,8 @@ const LEAST_SAMPLES: usize = 8;
 const KNOWN: f32 = 0.5;
 /// Samples that count less than this are left out.
 const LEAST_WEIGHT: f32 = 0.05;
+/// A turned window must differ by less than this share of what the best unturned one does.
+const TURN_WORTH: f64 = 0.95;
 /// Random stream of the windows of pastes without known neighbours.
 const STREAM: u64 = 0x5749_4E44_4F57_0000;
 
@@ -53,6 +61,8 @@ const STREAM: u64 = 0x5749_4E44_4F57_0000;
 pub struct WindowStatistics {
     /// Pastes whose window was chosen by what lies around them.
     pub matched: usize,
+    /// Pastes whose window is turned.
+    pub turned: usize,
     /// Root mean square difference along visible borders, in steps of encoded colour (0 to 1), with all windows at rest.
     pub border_before: f64,
     /// The same with the windows chosen.
@@ -123,70 +133,66 @@ struct Mark {
     pixel: Vec2,
 }
 
+/// What a paste shows under its mask.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Shown {
+    turn: Turn,
+    offset: Vec2,
+}
+
 struct Matcher<'a> {
     lapped: &'a LappedTexture,
     lists: FaceLists,
     levels: Vec<Levels>,
     borders: Vec<Border>,
+    /// Of each patch.
+    ways: Vec<Ways>,
 }
 
-/// Chooses the windows of all pastes. Exemplars that tile must say so by their `wrap`.
-pub fn choose_windows(face_count: usize, lapped: &mut LappedTexture, seed: u64) -> WindowStatistics {
+/// Chooses the windows of all pastes. Exemplars that tile must say so by their `wrap`, and may be turned as `turns` says of each.
+pub(super) fn choose_windows(face_count: usize, lapped: &mut LappedTexture, turns: &[Turns], seed: u64) -> WindowStatistics {
     let begin = std::time::Instant::now();
     let channels = lapped.exemplars.iter().map(Exemplar::channels).reduce(ChannelSet::intersection).unwrap_or_default();
     let mut statistics = WindowStatistics::default();
-    let rooms: Vec<[Vec2; 2]> = lapped.patches.iter().map(|p| room(&lapped.exemplars[p.exemplar as usize], p)).collect();
+    let ways = |p: &TexturePatch| Ways::new(&lapped.exemplars[p.exemplar as usize], p, turns[p.exemplar as usize]);
     let matcher = Matcher {
         lists: FaceLists::new(face_count, &lapped.pastes),
         levels: lapped.exemplars.iter().map(|e| Levels::new(e, channels)).collect(),
         borders: lapped.patches.par_iter().map(Border::new).collect(),
+        ways: lapped.patches.par_iter().map(ways).collect(),
         lapped,
     };
     let order = outwards(&matcher.lists, &matcher.lapped.pastes);
     let waves = waves(face_count, &matcher.lapped.pastes, &order);
     let mut known = vec![false; order.len()];
-    let mut offsets: Vec<Vec2> = matcher.lapped.pastes.iter().map(|p| p.offset).collect();
+    let mut shown: Vec<Shown> = matcher.lapped.pastes.iter().map(|p| Shown { turn: p.turn, offset: p.offset }).collect();
     let mut sums = [0.0_f64; 3];
     for wave in waves {
-        let chosen: Vec<(Vec2, bool, [f64; 3])> = wave
+        let chosen: Vec<(Shown, bool, [f64; 3])> = wave
             .par_iter()
             .map(|&k| {
-                let room = rooms[matcher.lapped.pastes[k as usize].patch as usize];
-                if (room[1] - room[0]).max_element() < 1.0 {
-                    return (offsets[k as usize], false, [0.0; 3]);
+                let ways = matcher.ways_of(k);
+                let free = |turn: &Turn| ways.room(*turn).is_some_and(|[low, high]| (high - low).max_element() >= 1.0);
+                if ways.first().len() < 2 && !ways.first().iter().any(free) {
+                    return (shown[k as usize], false, [0.0; 3]);
                 }
-                let samples = matcher.samples(k, &offsets, &known);
-                matcher.choose(k, &samples, room, seed)
+                let samples = matcher.samples(k, &shown, &known);
+                matcher.choose(k, &samples, seed)
             })
             .collect();
-        for (&k, (offset, found, [weight, before, after])) in wave.iter().zip(chosen) {
-            offsets[k as usize] = offset;
+        for (&k, (now, found, [weight, before, after])) in wave.iter().zip(chosen) {
+            shown[k as usize] = now;
             known[k as usize] = true;
+            statistics.turned += usize::from(now.turn != Turn::NONE);
             statistics.matched += usize::from(found);
             sums = [sums[0] + weight, sums[1] + before, sums[2] + after];
         }
     }
-    lapped.pastes.iter_mut().zip(offsets).for_each(|(paste, offset)| paste.offset = offset);
+    lapped.pastes.iter_mut().zip(shown).for_each(|(paste, now)| (paste.turn, paste.offset) = (now.turn, now.offset));
     let rms = |sum: f64| if sums[0] > 0.0 { (sum / sums[0]).sqrt() } else { 0.0 };
     (statistics.border_before, statistics.border_after) = (rms(sums[1]), rms(sums[2]));
     statistics.seconds = begin.elapsed().as_secs_f64();
     statistics
-}
-
-/// Least and greatest shift of a patch's content.
-fn room(exemplar: &Exemplar, patch: &TexturePatch) -> [Vec2; 2] {
-    let size = Vec2::from(exemplar.size().map(|s| s as f32));
-    if !patch.slides {
-        return [Vec2::ZERO; 2];
-    }
-    match exemplar.wrap {
-        Wrap::Repeat => [Vec2::ZERO, size],
-        Wrap::Clamp => {
-            let origin = Vec2::from(patch.origin.map(|o| o as f32));
-            let mask = Vec2::from(patch.mask.size().map(|s| s as f32));
-            [(-origin).min(Vec2::ZERO), (size - origin - mask).max(Vec2::ZERO)]
-        }
-    }
 }
 
 /// Pastes in the order in which they are met from one of them, over shared faces; so for each part of the surface.
@@ -233,7 +239,7 @@ pub(super) fn waves(face_count: usize, pastes: &[Paste], order: &[u32]) -> Vec<V
 
 impl Matcher<'_> {
     /// Where a paste meets others whose windows are known, as far as it shows.
-    fn samples(&self, k: u32, offsets: &[Vec2], known: &[bool]) -> Vec<Sample> {
+    fn samples(&self, k: u32, shown: &[Shown], known: &[bool]) -> Vec<Sample> {
         let paste = &self.lapped.pastes[k as usize];
         let patch = &self.lapped.patches[paste.patch as usize];
         let border = &self.borders[paste.patch as usize];
@@ -263,8 +269,8 @@ impl Matcher<'_> {
                     }
                     self.mark(face, bary, &mut marks);
                     if let Some(own) = marks.iter().position(|m| m.paste == k) {
-                        samples.extend(self.over(offsets, known, &marks, own));
-                        samples.extend(self.under(offsets, known, &marks, own));
+                        samples.extend(self.over(shown, known, &marks, own));
+                        samples.extend(self.under(shown, known, &marks, own));
                     }
                 }
             }
@@ -289,7 +295,7 @@ impl Matcher<'_> {
     }
 
     /// The paste's own border over what is known below.
-    fn over(&self, offsets: &[Vec2], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
+    fn over(&self, shown: &[Shown], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
         let seen: f32 = marks[..own].iter().map(|m| 1.0 - m.alpha).product();
         let weight = seen * marks[own].border;
         if weight < LEAST_WEIGHT {
@@ -303,7 +309,7 @@ impl Matcher<'_> {
             left -= share;
             if known[mark.paste as usize] {
                 covered += share;
-                self.add(mark, offsets, share, count, &mut other);
+                self.add(mark, shown, share, count, &mut other);
             }
         }
         if covered < KNOWN {
@@ -314,19 +320,23 @@ impl Matcher<'_> {
     }
 
     /// The topmost known border over the paste.
-    fn under(&self, offsets: &[Vec2], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
+    fn under(&self, shown: &[Shown], known: &[bool], marks: &[Mark], own: usize) -> Option<Sample> {
         let mut seen = 1.0;
         for (place, mark) in marks[..own].iter().enumerate() {
             let between: f32 = marks[place + 1..own].iter().map(|m| 1.0 - m.alpha).product();
             let weight = seen * mark.border * between * marks[own].alpha;
             if known[mark.paste as usize] && weight >= LEAST_WEIGHT {
                 let mut other = Vec::new();
-                self.add(mark, offsets, 1.0, self.levels(marks[own].paste).len(), &mut other);
+                self.add(mark, shown, 1.0, self.levels(marks[own].paste).len(), &mut other);
                 return Some(Sample { pixel: marks[own].pixel, weight, other });
             }
             seen *= 1.0 - mark.alpha;
         }
         None
+    }
+
+    fn ways_of(&self, paste: u32) -> &Ways {
+        &self.ways[self.lapped.pastes[paste as usize].patch as usize]
     }
 
     /// The levels of a paste's exemplar, finest first.
@@ -337,9 +347,10 @@ impl Matcher<'_> {
 
     /// Adds a share of what a paste shows, on as many levels as another has: they are counted from the coarsest, and a smaller exemplar
     /// gives its finest for those it lacks.
-    fn add(&self, mark: &Mark, offsets: &[Vec2], share: f32, count: usize, to: &mut Vec<f32>) {
+    fn add(&self, mark: &Mark, shown: &[Shown], share: f32, count: usize, to: &mut Vec<f32>) {
         let levels = self.levels(mark.paste);
-        let pixel = mark.pixel + offsets[mark.paste as usize];
+        let now = shown[mark.paste as usize];
+        let pixel = self.ways_of(mark.paste).turned(now.turn, mark.pixel) + now.offset;
         let mut next = 0;
         for number in 0..count {
             let level = &levels[(levels.len() + number).saturating_sub(count).min(levels.len() - 1)];
@@ -350,59 +361,77 @@ impl Matcher<'_> {
         }
     }
 
-    /// The window of a paste; whether its border said anything; and weight and squared differences before and after.
-    fn choose(&self, k: u32, samples: &[Sample], room: [Vec2; 2], seed: u64) -> (Vec2, bool, [f64; 3]) {
-        let span = room[1] - room[0];
-        let mut random = Random::new(seed, STREAM + u64::from(k));
-        let draw = |random: &mut Random| {
-            let part = |span: f32, random: &mut Random| (random.unit() as f32 * span).floor().min((span - 1.0).max(0.0));
-            room[0] + Vec2::new(part(span.x, random), part(span.y, random))
-        };
+    /// What a paste is to show; whether its border said anything; and weight and squared differences before and after.
+    fn choose(&self, k: u32, samples: &[Sample], seed: u64) -> (Shown, bool, [f64; 3]) {
+        let ways = self.ways_of(k);
+        let straight = ways.room(Turn::NONE).unwrap_or_default();
         let patch = &self.lapped.patches[self.lapped.pastes[k as usize].patch as usize];
+        let exemplar = &self.lapped.exemplars[patch.exemplar as usize];
+        if samples.len() < LEAST_SAMPLES {
+            let span = straight[1] - straight[0];
+            let mut random = Random::new(seed, STREAM + u64::from(k));
+            let mut part = |span: f32| (random.unit() as f32 * span).floor().min((span - 1.0).max(0.0));
+            let offset = straight[0] + Vec2::new(part(span.x), part(span.y));
+            return (Shown { turn: Turn::NONE, offset }, false, [0.0; 3]);
+        }
         let levels = self.levels(k);
         let coarsest = levels.len() - 1;
-        if samples.len() < LEAST_SAMPLES {
-            return (draw(&mut random), false, [0.0; 3]);
-        }
         let fine = spread(samples, FINE_SAMPLES);
-        let coarse = Points::new(&levels[coarsest], coarsest, &spread(samples, COARSE_SAMPLES));
-        let finest = Points::new(&levels[0], 0, &fine);
-        let at_rest = finest.error(Vec2::ZERO);
-        let weight: f64 = fine.iter().map(|s| f64::from(s.weight)).sum();
-        let level = &levels[coarsest];
-        let step = Vec2::ONE / level.scale;
-        let count = (span / step).ceil().max(Vec2::ONE);
-        let mut best: Vec<(f64, Vec2)> = Vec::new();
-        for y in 0..count.y as u32 {
-            for x in 0..count.x as u32 {
-                let offset = (room[0] + Vec2::new(x as f32, y as f32) * step).min(room[1]);
-                keep(&mut best, coarse.error(offset), offset);
-            }
-        }
-        for l in (0..coarsest).rev() {
-            let level = &levels[l];
-            let points = Points::new(level, l, &fine);
-            let step = Vec2::ONE / level.scale;
-            let mut next = Vec::new();
-            for &(_, around) in &best {
-                for (dx, dy) in (-1..=1).flat_map(|y| (-1..=1).map(move |x| (x, y))) {
-                    let offset = around + Vec2::new(dx as f32, dy as f32) * step;
-                    let offset = match self.lapped.exemplars[patch.exemplar as usize].wrap {
-                        Wrap::Repeat => offset,
-                        Wrap::Clamp => offset.clamp(room[0], room[1]),
-                    };
-                    if next.iter().all(|&(_, o)| o != offset) {
-                        keep(&mut next, points.error(offset), offset);
-                    }
+        let coarse = spread(samples, COARSE_SAMPLES);
+        let on = |number: usize, turn: Turn, samples: &[&Sample]| {
+            Points::new(&levels[number], number, samples, |p| ways.turned(turn, p))
+        };
+        // Unturned windows and turned ones each for themselves: a turn must be worth it.
+        let best = |turned: bool| {
+            let mut best: Vec<(f64, Shown)> = Vec::new();
+            for &turn in ways.first().iter().filter(|t| (**t != Turn::NONE) == turned) {
+                let points = on(coarsest, turn, &coarse);
+                let [low, high] = ways.room(turn)?;
+                let step = Vec2::ONE / levels[coarsest].scale;
+                let count = ((high - low) / step).ceil().max(Vec2::ONE);
+                for (x, y) in (0..count.y as u32).flat_map(|y| (0..count.x as u32).map(move |x| (x, y))) {
+                    let offset = (low + Vec2::new(x as f32, y as f32) * step).min(high);
+                    let error = points.error(offset, worst(&best));
+                    keep(&mut best, error, Shown { turn, offset });
                 }
             }
-            best = next;
-        }
-        let offset = best[0].1;
-        let error = finest.error(offset);
-        let size = Vec2::from(self.lapped.exemplars[patch.exemplar as usize].size().map(|s| s as f32));
-        let offset = if room[0] == Vec2::ZERO && room[1] == size { offset.rem_euclid(size) } else { offset };
-        (offset.round(), true, [weight, at_rest, error])
+            for number in (0..coarsest).rev() {
+                let step = Vec2::ONE / levels[number].scale;
+                let mut next = Vec::new();
+                for &(_, around) in &best {
+                    for turn in ways.beside(around.turn, coarsest - number).filter(|t| (*t != Turn::NONE) == turned) {
+                        let Some([low, high]) = ways.room(turn) else { continue };
+                        let points = on(number, turn, &fine);
+                        for (dx, dy) in (-1..=1).flat_map(|y| (-1..=1).map(move |x| (x, y))) {
+                            let offset = around.offset + Vec2::new(dx as f32, dy as f32) * step;
+                            let offset = match exemplar.wrap {
+                                Wrap::Repeat => offset,
+                                Wrap::Clamp => offset.clamp(low, high),
+                            };
+                            let now = Shown { turn, offset };
+                            if next.iter().all(|&(_, other)| other != now) {
+                                let error = points.error(offset, worst(&next));
+                                keep(&mut next, error, now);
+                            }
+                        }
+                    }
+                }
+                best = next;
+            }
+            let found = best.first()?.1;
+            Some((on(0, found.turn, &fine).error(found.offset, f64::INFINITY), found))
+        };
+        let at_rest = on(0, Turn::NONE, &fine).error(Vec2::ZERO, f64::INFINITY);
+        let weight: f64 = fine.iter().map(|s| f64::from(s.weight)).sum();
+        let (error, now) = match (best(false), best(true)) {
+            (Some(straight), Some(turned)) if turned.0 < TURN_WORTH * straight.0 => turned,
+            (Some(straight), _) => straight,
+            (None, turned) => turned.unwrap_or((at_rest, Shown { turn: Turn::NONE, offset: Vec2::ZERO })),
+        };
+        let size = Vec2::from(exemplar.size().map(|s| s as f32));
+        let whole = straight == [Vec2::ZERO, size];
+        let offset = if whole { now.offset.rem_euclid(size) } else { now.offset };
+        (Shown { offset: offset.round(), ..now }, true, [weight, at_rest, error])
     }
 }
 
@@ -417,24 +446,31 @@ struct Points<'a> {
 }
 
 impl<'a> Points<'a> {
-    fn new(level: &'a Level, number: usize, samples: &[&Sample]) -> Self {
+    fn new(level: &'a Level, number: usize, samples: &[&Sample], place: impl Fn(Vec2) -> Vec2) -> Self {
         let from = number * level.components;
         Self {
             level,
-            first: samples.iter().map(|s| level.first(level.cell(s.pixel))).collect(),
+            first: samples.iter().map(|s| level.first(level.cell(place(s.pixel)))).collect(),
             weight: samples.iter().map(|s| s.weight).collect(),
             other: samples.iter().flat_map(|s| &s.other[from..from + level.components]).copied().collect(),
         }
     }
 
-    /// Weighted squared difference of a window.
-    fn error(&self, offset: Vec2) -> f64 {
+    /// Weighted squared difference of a window; once it is more than `most`, the rest is not looked at.
+    fn error(&self, offset: Vec2, most: f64) -> f64 {
         let shift = self.level.first(self.level.cell(offset));
         let count = self.level.components.max(1);
         let mut sum = 0.0_f32;
-        for ((&first, &weight), other) in self.first.iter().zip(&self.weight).zip(self.other.chunks_exact(count)) {
-            let own = &self.level.data[first + shift..][..count];
-            sum += weight * own.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
+        let most = most as f32;
+        let parts = self.first.chunks(PART).zip(self.weight.chunks(PART)).zip(self.other.chunks(PART * count));
+        for ((first, weight), other) in parts {
+            for ((&first, &weight), other) in first.iter().zip(weight).zip(other.chunks_exact(count)) {
+                let own = &self.level.data[first + shift..][..count];
+                sum += weight * own.iter().zip(other).map(|(a, b)| (a - b) * (a - b)).sum::<f32>();
+            }
+            if sum > most {
+                break;
+            }
         }
         f64::from(sum)
     }
@@ -446,11 +482,16 @@ fn spread(samples: &[Sample], most: usize) -> Vec<&Sample> {
     samples.iter().step_by(step).collect()
 }
 
+/// The error from which on a window is none of the best few.
+fn worst(best: &[(f64, Shown)]) -> f64 {
+    best.get(KEPT - 1).map_or(f64::INFINITY, |&(error, _)| error)
+}
+
 /// Keeps the best few, best first.
-fn keep(best: &mut Vec<(f64, Vec2)>, error: f64, offset: Vec2) {
+fn keep(best: &mut Vec<(f64, Shown)>, error: f64, shown: Shown) {
     let place = best.partition_point(|(e, _)| *e <= error);
     if place < KEPT {
         best.truncate(KEPT - 1);
-        best.insert(place, (error, offset));
+        best.insert(place, (error, shown));
     }
 }

@@ -11,7 +11,7 @@ use crate::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch};
 use crate::field::turning_points;
 use crate::job::bake::default_size;
 use crate::mesh::{Mesh, MeshError};
-use crate::paste::{AGREES, Composite, LappedTexture, Paste};
+use crate::paste::{AGREES, Composite, LappedTexture, Paste, Turn};
 use crate::progress::Progress;
 use crate::render::gpu::{GpuError, Renderer, Subject};
 use crate::render::style::{Legend, corner_colours, distinct};
@@ -320,7 +320,15 @@ fn baked(mesh: &Mesh, stage: &Stage<'_>, lapped: &LappedTexture, progress: &dyn 
         let on_page = |face: &u32| atlas.page[atlas.chart[*face as usize] as usize] == number as u32;
         let faces: Vec<u32> = (0..mesh.face_count() as u32).filter(on_page).collect();
         let uv = faces.iter().map(|&face| atlas.face_uv(face)).collect();
-        out.pastes.push(Paste { patch: number as u16, faces, uv, offset: Vec2::ZERO, cut: None, agreement: AGREES });
+        out.pastes.push(Paste {
+            patch: number as u16,
+            faces,
+            uv,
+            offset: Vec2::ZERO,
+            turn: Turn::NONE,
+            cut: None,
+            agreement: AGREES,
+        });
     }
     Ok(out)
 }

@@ -118,7 +118,9 @@ pub(crate) fn exemplar_place(lapped: &LappedTexture, paste: u32, pixel: DVec2) -
     let paste = &lapped.pastes[paste as usize];
     let patch = &lapped.patches[paste.patch as usize];
     let exemplar = &lapped.exemplars[patch.exemplar as usize];
-    let place = pixel.as_vec2() + glam::IVec2::from(patch.origin).as_vec2() + paste.offset;
+    let middle = glam::UVec2::from(patch.mask.size()).as_vec2() * 0.5;
+    let turned = paste.turn.rotation().rotate(pixel.as_vec2() - middle) + middle;
+    let place = turned + glam::IVec2::from(patch.origin).as_vec2() + paste.offset;
     match exemplar.wrap {
         Wrap::Repeat => place.rem_euclid(Vec2::from(exemplar.size().map(|s| s as f32))),
         Wrap::Clamp => place,

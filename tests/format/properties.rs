@@ -65,7 +65,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
 fn record() -> Vec<u8> {
     use glam::{Vec2, Vec3};
     use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
-    use lapped::paste::{LappedTexture, Layer, Paste};
+    use lapped::paste::{LappedTexture, Layer, Paste, Turn};
     let mut record = lapped::format::Record::default();
     record.model.positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
     record.model.faces = vec![[0, 1, 2], [0, 2, 3]];
@@ -79,7 +79,15 @@ fn record() -> Vec<u8> {
         weight: 1.0,
         slides: false,
     };
-    let paste = Paste { patch: 0, faces: vec![1, 0], uv: vec![[Vec2::ZERO; 3]; 2], offset: Vec2::X, cut: None, agreement: 200 };
+    let paste = Paste {
+        patch: 0,
+        faces: vec![1, 0],
+        uv: vec![[Vec2::ZERO; 3]; 2],
+        offset: Vec2::X,
+        turn: Turn::new(60),
+        cut: None,
+        agreement: 200,
+    };
     record.lapped = LappedTexture {
         exemplars: vec![Exemplar::new("e", Image::from_fn(4, 4, |_, _| Vec3::ONE))],
         patches: vec![patch],

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use lapped::exemplar::{Channel, Exemplar, FramesBy, Hull, Image, MipChain, TexturePatch, Wrap};
 use lapped::format::{FaceGroup, Model, Record, read_model, read_record, write_record};
 use lapped::paste::cut::CUT_STEPS;
-use lapped::paste::{Cut, LappedTexture, Layer, Paste};
+use lapped::paste::{Cut, LappedTexture, Layer, Paste, TURNS, Turn};
 use lapped::random::Random;
 
 /// A cut of random distances.
@@ -86,7 +86,15 @@ fn full_record() -> Record {
             let mut uv = || Vec2::new(r.range(-0.5, 1.5) as f32, r.unit() as f32);
             let uv = (0..count).map(|_| [uv(), uv(), uv()]).collect();
             let cut = (k % 2 == 0).then(|| cut(&mut r));
-            Paste { patch: r.below(3) as u16, faces: on, uv, offset: Vec2::new(k as f32, -0.5), cut, agreement: r.below(256) as u8 }
+            Paste {
+                patch: r.below(3) as u16,
+                faces: on,
+                uv,
+                offset: Vec2::new(k as f32, -0.5),
+                turn: Turn::new(r.below(u64::from(TURNS)) as u32),
+                cut,
+                agreement: r.below(256) as u8,
+            }
         })
         .collect();
     let upper = Layer { name: "upper".into(), pastes: pastes.len() as u32 - 1, weights: vec![[0.25, 1.0, 0.0]; faces] };

@@ -12,7 +12,7 @@ use lapped::exemplar::stack::resized;
 use lapped::exemplar::{Channel, ChannelSet, Exemplar, FramesBy, Image, TexturePatch};
 use lapped::job::{ExemplarInput, PasteJob, Scale, paste_model};
 use lapped::mesh::{Mesh, SurfacePoint};
-use lapped::paste::{Composite, LappedTexture, Paste};
+use lapped::paste::{Composite, LappedTexture, Paste, TURNS, Turn};
 use lapped::progress::Silent;
 use lapped::render::gpu::{Filter, Forward, GpuError, Path, Renderer, RendererOptions};
 use lapped::render::{Background, DrawOptions, Grid, Picture, Stage, View, Visibility};
@@ -94,6 +94,20 @@ fn transitions_that_keep_contrast_look_the_same_in_all_modes() {
     pasted.lapped.pastes.iter_mut().zip((0..200).cycle().step_by(23)).for_each(|(paste, agreement)| paste.agreement = agreement);
     let grid = Grid { width: 260, height: 220, samples: 2 };
     agree("contrast", &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", grid);
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn turned_pastes_look_the_same_in_all_modes() {
+    let mut pasted = pasted("vase", &["scales", "stone"], 30.0, true);
+    let plain = pasted.lapped.clone();
+    pasted.lapped.pastes.iter_mut().zip((0..TURNS).cycle().step_by(37)).for_each(|(paste, parts)| paste.turn = Turn::new(parts));
+    let grid = Grid { width: 260, height: 220, samples: 2 };
+    let stage = Stage::new(&pasted.mesh, &DrawOptions::default());
+    let camera = View::default().frame(&pasted.mesh, grid.aspect());
+    let [before, after] = [&plain, &pasted.lapped].map(|lapped| reference(&stage, lapped, &camera, grid));
+    assert!(compare(&pasted.mesh, &camera, grid, &before, &after).inside > 4.0, "the turn is seen");
+    agree("turned", &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", grid);
 }
 
 #[test]
@@ -462,7 +476,9 @@ fn gradients_and_relief_change_only_what_they_should() {
 #[test]
 #[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
 fn relief_is_shifted_as_the_reference_shifts_it() {
-    let pasted = pasted("vase", &["bricks"], 20.0, true);
+    let mut pasted = pasted("vase", &["bricks"], 20.0, true);
+    // Slopes turn with what is turned.
+    pasted.lapped.pastes.iter_mut().step_by(3).for_each(|paste| paste.turn = Turn::new(TURNS / 7));
     let options = DrawOptions::default();
     let stage = Stage::new(&pasted.mesh, &options);
     let grid = Grid { width: 200, height: 200, samples: 2 };

@@ -8,7 +8,7 @@ use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
 use lapped::format::Model;
 use lapped::job::{ExemplarInput, PasteJob, Pasted, Scale, Steer, paste_model};
 use lapped::mesh::Mesh;
-use lapped::paste::{AGREES, LappedTexture, Paste};
+use lapped::paste::{AGREES, LappedTexture, Paste, Turn};
 use lapped::progress::Silent;
 use lapped::render::gpu::{Gpu, GpuOptions, Renderer, RendererOptions};
 use lapped::render::{Camera, Grid, Picture, Visibility};
@@ -178,6 +178,7 @@ pub(crate) fn scattered(mesh: &Mesh, patches: Vec<TexturePatch>, exemplar: Exemp
             uv: chosen.iter().map(|&f| uv(f)).collect(),
             faces: chosen,
             offset: Vec2::ZERO,
+            turn: Turn::NONE,
             cut: None,
             agreement: AGREES,
         }

@@ -2,7 +2,7 @@
 
 use crate::common::{checks, compare, flat, pasted, renderer, renderers, round_patch, scattered};
 use glam::{Vec2, Vec3};
-use lapped::paste::{AGREES, Composite, LappedTexture, Paste};
+use lapped::paste::{AGREES, Composite, LappedTexture, Paste, Turn};
 use lapped::render::gpu::{Canvas, Gpu, GpuError, GpuOptions, Path, shaders};
 use lapped::render::{DrawOptions, Grid, Stage, View, Visibility};
 
@@ -153,6 +153,7 @@ fn lists_of_more_than_128_mebibytes_are_drawn() {
         faces: faces.clone(),
         uv: uv.clone(),
         offset: Vec2::splat(k as f32),
+        turn: Turn::NONE,
         cut: None,
         agreement: AGREES,
     };

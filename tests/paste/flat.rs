@@ -15,7 +15,7 @@ use lapped::mesh::disc::Scratch;
 use lapped::mesh::nearest::Nearest;
 use lapped::paste::grow::{PatchPlan, Predictor, Site};
 use lapped::paste::lay::{FitChoice, lay};
-use lapped::paste::{AGREES, Composite, LappedTexture, Paste, PasteOptions};
+use lapped::paste::{AGREES, Composite, LappedTexture, Paste, PasteOptions, Turn};
 use lapped::progress::Silent;
 use lapped::surface::SurfaceTexture;
 
@@ -46,7 +46,15 @@ fn one_paste_gives_the_exemplar_back() {
             Site { mesh: &mesh, guide: &guide, plan: &plan, seed, distortion: 1.0, predictor: Predictor::Field, free: false };
         let laid = lay(site, 0.0, FitChoice::default(), &mut Scratch::new(&mesh)).unwrap();
         let uv = (0..laid.disc.faces.len()).map(|i| laid.disc.face_uv(i).map(|q| plan.mask_uv(q).as_vec2())).collect();
-        let paste = Paste { patch: 0, faces: laid.disc.faces.clone(), uv, offset: Vec2::ZERO, cut: None, agreement: AGREES };
+        let paste = Paste {
+            patch: 0,
+            faces: laid.disc.faces.clone(),
+            uv,
+            offset: Vec2::ZERO,
+            turn: Turn::NONE,
+            cut: None,
+            agreement: AGREES,
+        };
         let lapped = LappedTexture {
             exemplars: vec![exemplar.clone()],
             patches: vec![patch.clone()],

@@ -16,5 +16,6 @@ mod hard;
 mod overlays;
 mod prune;
 mod repeat;
+mod turns;
 mod ways;
 mod windows;

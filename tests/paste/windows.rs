@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use lapped::exemplar::outline::Outline;
 use lapped::exemplar::{Channel, Exemplar, Image, PatchSource, Wrap};
 use lapped::job::{ExemplarInput, PasteJob, Pasted, Scale, paste_model};
-use lapped::paste::{LappedTexture, PasteOptions};
+use lapped::paste::{LappedTexture, PasteOptions, Turn};
 use lapped::progress::Silent;
 
 fn job(windows: bool) -> PasteJob {
@@ -57,7 +57,7 @@ fn of_an_exemplar_that_does_not_tile_windows_stay_inside() {
     assert_eq!(chosen.lapped.exemplars[0].wrap, Wrap::Clamp, "it does not tile");
     let found = chosen.report.paste.windows;
     assert!(found.border_after < 0.8 * found.border_before, "{found:?}: borders agree better all the same");
-    for k in 0..chosen.lapped.pastes.len() {
+    for k in (0..chosen.lapped.pastes.len()).filter(|&k| chosen.lapped.pastes[k].turn == Turn::NONE) {
         let [low, high] = window(&chosen.lapped, k);
         assert!(low.min_element() >= 0.0 && high.max_element() <= 128.0, "paste {k} shows {low} to {high}");
     }

@@ -7,7 +7,7 @@ use glam::{DVec2, Vec2, Vec3};
 use lapped::exemplar::{Exemplar, Hull, Image, MipChain, TexturePatch};
 use lapped::field::{Guide, TangentField};
 use lapped::mesh::Mesh;
-use lapped::paste::{AGREES, LappedTexture, Paste};
+use lapped::paste::{AGREES, LappedTexture, Paste, Turn};
 use lapped::render::{Background, Picture, PreviewStyle, RenderError, SheetOptions, Subject, View, preview};
 
 /// The field whose texture is `scale` units wide with +y up.
@@ -42,6 +42,7 @@ fn pasted(mesh: &Mesh, at: &[(Vec2, f32)]) -> LappedTexture {
             uv: mesh.faces.iter().map(|f| f.map(uv)).collect(),
             faces,
             offset: Vec2::ZERO,
+            turn: Turn::NONE,
             cut: None,
             agreement: AGREES,
         }

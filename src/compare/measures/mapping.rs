@@ -10,7 +10,7 @@
 //! | `used` | how evenly the exemplar is used: the exponential of the entropy of its sixteenths of a side, over their number | share | 1 |
 //! | `scale` | mean length of a pixel on the surface over the one asked for | ratio | 1 |
 //! | `stretch_l2`, `stretch_linf` | texture stretch, the root of the mean of squares over surface and directions, and the largest anywhere, against the same pixels spread evenly (Sander et al., "Texture mapping progressive meshes", SIGGRAPH 2001) | ratio | 1 |
-//! | `direction_rms`, `direction_p95` | angle between texture up and the field | degrees | 0 |
+//! | `direction_rms`, `direction_p95` | angle between texture up, turned as the exemplar looks the same, and the field | degrees | 0 |
 //! | `least_alpha`, `bare` | how well the worst point is covered, and the share of points that are not opaque | share | 1 and 0 |
 //!
 //! Stretch and direction are of points whose surroundings were copied together (`mapped`): elsewhere there is no map to speak of.
@@ -197,7 +197,10 @@ fn sample(of: &Mapped, area: &ByArea, seed: u64, k: u64) -> Option<Sample> {
         let up = (up - normal * up.dot(normal)).normalize_or_zero();
         let turn = (-down).dot(up.cross(normal)).atan2((-down).dot(up));
         let way = std::f64::consts::TAU / f64::from(of.ways.max(1));
-        (turn - (turn / way).round() * way).abs().to_degrees()
+        let from_next = |turn: f64| (turn - (turn / way).round() * way).abs();
+        let own = of.source.ways();
+        let turned = |k: u32| turn + std::f64::consts::TAU * f64::from(k) / f64::from(own);
+        (0..own).map(|k| from_next(turned(k))).fold(f64::INFINITY, f64::min).to_degrees()
     });
     Some(Sample { at, origin, alpha, along, angle })
 }

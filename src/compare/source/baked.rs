@@ -39,4 +39,8 @@ impl Sourced for BakedSource<'_> {
     fn origin(&self, at: SurfacePoint) -> Option<Origin> {
         self.from.origin(at)
     }
+
+    fn ways(&self) -> u32 {
+        self.from.ways()
+    }
 }

@@ -34,6 +34,11 @@ pub struct Origin {
 pub trait Sourced: SurfaceTexture {
     /// The place of the exemplar at a point; `None` where nothing is shown.
     fn origin(&self, at: crate::mesh::SurfacePoint) -> Option<Origin>;
+
+    /// The texture was turned by multiples of a full turn over this on purpose, since the exemplar looks the same so.
+    fn ways(&self) -> u32 {
+        1
+    }
 }
 
 /// The exemplar that places are of.

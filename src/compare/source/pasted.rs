@@ -3,10 +3,10 @@
 use super::{Origin, Sourced, steps};
 use crate::exemplar::{ChannelSet, Wrap};
 use crate::mesh::{Mesh, SurfacePoint};
-use crate::paste::composite::paste_alpha;
-use crate::paste::{Composite, LappedTexture};
+use crate::paste::composite::{exemplar_pixel, paste_alpha};
+use crate::paste::{Composite, LappedTexture, TURNS};
 use crate::surface::{SurfaceTexture, Texel};
-use glam::DVec2;
+use glam::{DVec2, Vec2};
 
 /// A lapped texture and where it comes from.
 #[derive(Debug)]
@@ -14,13 +14,16 @@ pub struct PastedSource<'a> {
     mesh: &'a Mesh,
     lapped: &'a LappedTexture,
     composite: Composite<'a>,
+    /// Turns of its pastes are multiples of a full turn over this.
+    ways: u32,
 }
 
 impl<'a> PastedSource<'a> {
     /// Sorts the pastes by face.
     #[must_use]
     pub fn new(mesh: &'a Mesh, lapped: &'a LappedTexture) -> Self {
-        Self { mesh, lapped, composite: Composite::new(mesh, lapped) }
+        let ways = TURNS / lapped.pastes.iter().map(|p| p.turn.parts()).fold(TURNS, common);
+        Self { mesh, lapped, composite: Composite::new(mesh, lapped), ways }
     }
 
     /// The paste that shows most at a point and the face's place in it.
@@ -57,9 +60,8 @@ impl Sourced for PastedSource<'_> {
         let paste = &self.lapped.pastes[index as usize];
         let patch = &self.lapped.patches[paste.patch as usize];
         let exemplar = &self.lapped.exemplars[patch.exemplar as usize];
-        let size = DVec2::from(patch.mask.size().map(f64::from));
-        let shift = DVec2::from(patch.origin.map(f64::from)) + paste.offset.as_dvec2();
-        let corners = paste.uv[slot as usize].map(|uv| uv.as_dvec2() * size + shift);
+        let size = Vec2::from(patch.mask.size().map(|s| s as f32));
+        let corners = paste.uv[slot as usize].map(|uv| exemplar_pixel(patch, paste, uv * size).as_dvec2());
         let bary = at.bary.as_dvec3();
         let mut pixel = corners[0] * bary.x + corners[1] * bary.y + corners[2] * bary.z;
         if exemplar.wrap == Wrap::Clamp {
@@ -68,4 +70,13 @@ impl Sourced for PastedSource<'_> {
         let steps = steps(self.mesh.corners(at.face), corners)?;
         Some(Origin { pixel, right: steps[0].normalize_or_zero(), steps: Some(steps) })
     }
+
+    fn ways(&self) -> u32 {
+        self.ways
+    }
+}
+
+/// The greatest common divisor.
+const fn common(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { common(b, a % b) }
 }

@@ -16,7 +16,7 @@ use crate::format::gltf::build::{Builder, INDICES, Shape, U32, VERTICES};
 use crate::format::gltf::scene_out::{add_material, add_scene};
 use crate::format::look::Look;
 use crate::format::{FormatError, Record};
-use crate::paste::{Cut, LappedTexture, Paste};
+use crate::paste::{Cut, LappedTexture, Paste, Turn};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -87,11 +87,11 @@ pub fn write_layers(path: &Path, record: &Record) -> Result<LayersReport, Format
     Ok(report)
 }
 
-/// A texture patch with its content shifted, and its cut: what one paste shows.
-type Window = (u16, [u32; 2], Option<Cut>);
+/// A texture patch with its content shifted and turned, and its cut: what one paste shows.
+type Window = (u16, [u32; 2], Turn, Option<Cut>);
 
 fn window(paste: &Paste) -> Window {
-    (paste.patch, paste.offset.to_array().map(f32::to_bits), paste.cut.as_deref().copied())
+    (paste.patch, paste.offset.to_array().map(f32::to_bits), paste.turn, paste.cut.as_deref().copied())
 }
 
 /// True if no part of a face can lie on the mask.
@@ -103,11 +103,24 @@ fn beyond(uv: &[Vec2; 3]) -> bool {
 struct Under<'a> {
     mask: &'a Image,
     cut: Option<&'a Cut>,
+    turn: Turn,
     size: [i64; 2],
     origin: Vec2,
 }
 
 impl Under<'_> {
+    /// Where the content of a pixel lies, turned about the mask's middle.
+    fn content(&self, pixel: Vec2) -> Vec2 {
+        let middle = 0.5 * Vec2::from(self.size.map(|s| s as f32));
+        self.turn.apply(pixel - middle) + middle
+    }
+
+    /// A normal of the content as one of the window.
+    fn upright(&self, normal: Vec3) -> Vec3 {
+        // Normals count upwards, pixels down: the same turn for these is the other way round for those.
+        self.turn.apply(normal.truncate()).extend(normal.z)
+    }
+
     /// Alpha that the cut leaves at a pixel.
     fn left(&self, x: i64, y: i64) -> f32 {
         let size = Vec2::from(self.size.map(|s| s as f32));
@@ -169,8 +182,9 @@ impl Sheet {
             let size = Vec2::from(image.size().map(|s| s as f32));
             let nothing = if channel == Channel::Normal { Vec3::Z } else { Vec3::ZERO };
             let filled = self.filled(lapped, n, nothing, |patch, x, y, shift| {
-                let from = Vec2::new(x as f32 + 0.5, y as f32 + 0.5) + shift + patch.origin;
-                image.bilinear(if source.wrap == Wrap::Repeat { from.rem_euclid(size) } else { from })
+                let from = patch.content(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)) + shift + patch.origin;
+                let shown = image.bilinear(if source.wrap == Wrap::Repeat { from.rem_euclid(size) } else { from });
+                if channel == Channel::Normal { patch.upright(shown) } else { shown }
             });
             images.push((channel, filled));
         }
@@ -193,11 +207,12 @@ impl Sheet {
         let [width, height] = self.size;
         let mut data = nothing.to_array()[..components].repeat(width as usize * height as usize);
         let rim = i64::from(APART);
-        for (&(patch, offset, ref cut), at) in &self.at {
+        for (&(patch, offset, turn, ref cut), at) in &self.at {
             let patch = &lapped.patches[patch as usize];
             let under = Under {
                 mask: patch.mask.finest(),
                 cut: cut.as_ref(),
+                turn,
                 size: patch.mask.size().map(i64::from),
                 origin: Vec2::new(patch.origin[0] as f32, patch.origin[1] as f32),
             };

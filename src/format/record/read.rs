@@ -12,7 +12,7 @@ use crate::format::model::{FaceGroup, Model, Source};
 use crate::format::picture::{Transfer, decode};
 use crate::format::{FormatError, read_file};
 use crate::paste::cut::CUT_STEPS;
-use crate::paste::{AGREES, Cut, LappedTexture, Layer, Paste};
+use crate::paste::{AGREES, Cut, LappedTexture, Layer, Paste, Turn};
 use glam::{Vec2, Vec3, Vec4};
 use image::ImageFormat;
 use serde::Deserialize;
@@ -127,6 +127,7 @@ struct PasteTables {
     face: Option<usize>,
     uv: Option<usize>,
     offset: Option<usize>,
+    turn: Option<usize>,
     cut: Option<usize>,
     agreement: Option<usize>,
 }
@@ -318,6 +319,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
     let face = indices(tables.face)?;
     let uv = vectors(tables.uv)?;
     let offset = vectors(tables.offset)?;
+    let turn = indices(tables.turn)?;
     let cut = indices(tables.cut)?;
     let agreement = indices(tables.agreement)?;
     let count = tables.count;
@@ -326,6 +328,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
         ("faceOffset", ends.len(), count + usize::from(tables.face_offset.is_some() || count > 0)),
         ("uv", uv.len(), 3 * face.len()),
         ("offset", offset.len(), if tables.offset.is_some() { count } else { 0 }),
+        ("turn", turn.len(), if tables.turn.is_some() { count } else { 0 }),
         ("cut", cut.len(), if tables.cut.is_some() { CUT_STEPS * count } else { 0 }),
         ("agreement", agreement.len(), if tables.agreement.is_some() { count } else { 0 }),
     ];
@@ -346,6 +349,7 @@ fn read_pastes(data: &Data<'_>, tables: &PasteTables) -> Result<Vec<Paste>, Prob
                 faces: face[range.clone()].to_vec(),
                 uv: corners[range].iter().map(|c| c.map(Vec2::from_array)).collect(),
                 offset: offset.get(k).map_or(Vec2::ZERO, |&o| Vec2::from_array(o)),
+                turn: turn.get(k).map_or(Turn::NONE, |&parts| Turn::new(parts)),
                 cut: cuts.get(k).and_then(read_cut),
                 agreement: agreement.get(k).map_or(AGREES, |&a| a.min(u32::from(AGREES)) as u8),
             })

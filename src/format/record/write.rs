@@ -8,7 +8,7 @@ use crate::format::gltf::build::{Builder, F32, Shape, U16, U32};
 use crate::format::gltf::scene_out::add_scene;
 use crate::format::picture::{Transfer, encode_png};
 use crate::paste::cut::CUT_STEPS;
-use crate::paste::{AGREES, Cut, Layer};
+use crate::paste::{AGREES, Cut, Layer, Turn};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 use std::path::Path;
@@ -149,6 +149,10 @@ impl<'a> Tables<'a> {
         let cut = self.0.accessor(Shape { name: "SCALAR", component: U16, target: None }, steps, |out| {
             pastes.iter().try_for_each(|p| out.write_all(p.cut.as_deref().unwrap_or(&Cut::none()).steps().as_flattened()))
         });
+        let turned = if pastes.iter().any(|p| p.turn != Turn::NONE) { pastes.len() } else { 0 };
+        let turn = self.0.accessor(Shape { name: "SCALAR", component: U16, target: None }, turned, |out| {
+            pastes.iter().try_for_each(|p| out.write_all(&(p.turn.parts() as u16).to_le_bytes()))
+        });
         let kept = if pastes.iter().any(|p| p.agreement != AGREES) { pastes.len() } else { 0 };
         let agreement = self.0.accessor(Shape { name: "SCALAR", component: U16, target: None }, kept, |out| {
             pastes.iter().try_for_each(|p| out.write_all(&u16::from(p.agreement).to_le_bytes()))
@@ -159,6 +163,7 @@ impl<'a> Tables<'a> {
             ("face", face),
             ("uv", uv),
             ("offset", offset),
+            ("turn", turn),
             ("cut", cut),
             ("agreement", agreement),
         ];

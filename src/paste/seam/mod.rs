@@ -28,7 +28,7 @@ mod path;
 pub use agree::{ContrastStatistics, choose_agreements};
 pub use mend::see_without_holes;
 
-use super::composite::paste_alpha;
+use super::composite::{exemplar_pixel, paste_alpha};
 use super::cut::{CUT_STEPS, Cut};
 use super::lapped::{FaceLists, LappedTexture};
 use super::levels::Level;
@@ -316,9 +316,9 @@ impl<'a> Matcher<'a> {
         let patch = &self.lapped.patches[paste.patch as usize];
         let [a, b, c] = paste.uv[slot as usize];
         let uv = a * bary.x + b * bary.y + c * bary.z;
-        let pixel = uv * Vec2::from(patch.mask.size().map(|s| s as f32)) + Vec2::from(patch.origin.map(|o| o as f32));
+        let pixel = uv * Vec2::from(patch.mask.size().map(|s| s as f32));
         let level = &self.levels[patch.exemplar as usize];
-        level.at(level.cell(pixel + paste.offset))
+        level.at(level.cell(exemplar_pixel(patch, paste, pixel)))
     }
 }
 

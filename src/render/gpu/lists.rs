@@ -85,17 +85,19 @@ pub(super) struct Lists {
     pub(super) soft: bool,
 }
 
-/// The pastes, four words each, and after them the cuts, two bytes a step. The first word is a patch, and above it how far the paste is from
+/// The pastes, eight words each, and after them the cuts, two bytes a step. The first word is a patch, and above it how far the paste is from
 /// agreeing with what lies below. A paste names where its cut begins, in fours of words;
-/// 0: it has none.
+/// 0: it has none. Then come its shift, and the cosine and sine of its turn.
 fn paste_table(pastes: &[Paste]) -> Vec<u32> {
-    let mut table = Vec::with_capacity(4 * pastes.len());
-    let mut next = pastes.len() as u32;
+    let mut table = Vec::with_capacity(8 * pastes.len());
+    let mut next = 2 * pastes.len() as u32;
     for paste in pastes {
         let at = if paste.cut.is_some() { next } else { 0 };
         next += if paste.cut.is_some() { CUT_FOURS } else { 0 };
         let apart = u32::from(AGREES - paste.agreement);
         table.extend([u32::from(paste.patch) | apart << 16, at, paste.offset.x.to_bits(), paste.offset.y.to_bits()]);
+        let turn = paste.turn.rotation();
+        table.extend([turn.x.to_bits(), turn.y.to_bits(), 0, 0]);
     }
     for cut in pastes.iter().filter_map(|p| p.cut.as_ref()) {
         table.extend(cut.steps().as_chunks::<2>().0.iter().map(|[a, b]| u32::from_le_bytes([a[0], a[1], b[0], b[1]])));
