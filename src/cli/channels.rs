@@ -1,7 +1,7 @@
 //! Flags that name the images of single channels.
 
 use crate::exemplar::{Channel, FramesBy};
-use crate::format::{ExemplarOptions, FRAMES_PER_SECOND, FrameOptions, FrameSource, NormalConvention};
+use crate::format::{ExemplarOptions, FrameOptions, FrameSource, NormalConvention};
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -124,7 +124,7 @@ impl ChannelArgs {
             Some(FramesArg::Light) => Some(FramesBy::Light),
             Some(FramesArg::First) | None => None,
         };
-        let frames = FrameOptions { from, by, per_second: self.fps.unwrap_or(FRAMES_PER_SECOND) };
+        let frames = FrameOptions { from, by, per_second: self.fps };
         ExemplarOptions { channels: self.files(), alone, normal, equalize: self.equalize, frames, ..ExemplarOptions::default() }
     }
 }

@@ -53,6 +53,10 @@ impl Frames {
         &self.others
     }
 
+    pub(super) fn others_mut(&mut self) -> &mut [Exemplar] {
+        &mut self.others
+    }
+
     /// How many frames there are, the first one counted.
     #[must_use]
     pub const fn count(&self) -> usize {
@@ -103,7 +107,7 @@ impl Exemplar {
     /// says how long each frame is shown, this one first; frames that do not go by time need none.
     ///
     /// # Errors
-    /// If there are no others, they do not fit, or a duration is not above zero.
+    /// If there are no others, they do not fit, or a duration is not above zero or has no end.
     pub fn set_frames(&mut self, by: FramesBy, others: Vec<Self>, seconds: Vec<f64>) -> Result<(), ExemplarError> {
         let fail = |what: String, remedy: &str| Err(ExemplarError::BadFrames { what, remedy: remedy.to_owned() });
         if others.is_empty() {
@@ -127,6 +131,9 @@ impl Exemplar {
         }
         if let Some(k) = seconds.iter().position(|s| !(*s > 0.0 && s.is_finite())) {
             return fail(format!("frame {} is shown for {} seconds", k + 1, seconds[k]), "give durations above zero");
+        }
+        if !seconds.iter().sum::<f64>().is_finite() {
+            return fail("together its frames are shown without end".into(), "give shorter durations");
         }
         // Frames of frames would never be shown.
         let others = others.into_iter().map(|e| Self { wrap: self.wrap, frames: None, ..e }).collect();
@@ -162,7 +169,7 @@ impl Exemplar {
     /// # Errors
     /// Those of `change`.
     pub(super) fn change_others<E>(&mut self, change: impl FnMut(&mut Self) -> Result<(), E>) -> Result<(), E> {
-        self.frames.iter_mut().flat_map(|frames| &mut frames.others).try_for_each(change)
+        self.frames.iter_mut().flat_map(Frames::others_mut).try_for_each(change)
     }
 }
 

@@ -166,7 +166,7 @@ impl Exemplar {
         }
     }
 
-    /// Adds or replaces a channel; of one that changes, of its first frame.
+    /// Adds a channel, to all frames, or replaces one; of one that changes, of its first frame.
     ///
     /// # Errors
     /// If its size or number of components does not fit.
@@ -184,7 +184,12 @@ impl Exemplar {
         let chain = MipChain::new(image);
         match self.channels.binary_search_by_key(&channel, |(c, _)| *c) {
             Ok(i) => self.channels[i].1 = chain,
-            Err(i) => self.channels.insert(i, (channel, chain)),
+            Err(i) => {
+                // All frames have the same channels.
+                let others = self.frames.iter_mut().flat_map(Frames::others_mut);
+                others.for_each(|other| other.channels.insert(i, (channel, chain.clone())));
+                self.channels.insert(i, (channel, chain));
+            }
         }
         Ok(())
     }

@@ -1,12 +1,14 @@
 //! Images that hold several pictures: animated GIF, PNG and WebP files, sheets of sprites, files that are numbered.
 
 use super::error::Problem;
-use super::picture::{MOST_PIXELS, Picture, Transfer, to_picture, too_large};
+use super::picture::{MOST_PIXELS, Picture, Transfer, check_size, explain, limits, to_picture, too_large};
 use crate::exemplar::Image;
 use image::codecs::gif::GifDecoder;
 use image::codecs::png::PngDecoder;
 use image::codecs::webp::WebPDecoder;
-use image::{AnimationDecoder, DynamicImage, Frame, ImageError, ImageFormat};
+use image::metadata::Orientation;
+use image::{AnimationDecoder, DynamicImage, Frame, ImageDecoder, ImageError, ImageFormat};
+use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -16,21 +18,27 @@ pub(super) type Timed = (Picture, Option<f64>);
 /// The pictures of an animated file; none if it holds a single one, or is of a kind that cannot hold more.
 pub(super) fn decode_frames(file: &[u8], format: Option<ImageFormat>, transfer: Transfer) -> Result<Vec<Timed>, Problem> {
     let damaged = |e: ImageError| Problem::damaged("", format!("the animation cannot be decoded ({e})"));
-    let frames = match format {
-        Some(ImageFormat::Gif) => GifDecoder::new(Cursor::new(file)).map_err(damaged)?.into_frames(),
+    let (frames, orientation) = match format {
+        Some(ImageFormat::Gif) => {
+            let mut decoder = GifDecoder::new(Cursor::new(file)).map_err(damaged)?;
+            let orientation = bound(&mut decoder)?;
+            (decoder.into_frames(), orientation)
+        }
         Some(ImageFormat::Png) => {
-            let decoder = PngDecoder::new(Cursor::new(file)).map_err(damaged)?;
+            let mut decoder = PngDecoder::with_limits(Cursor::new(file), limits()).map_err(|e| explain(&e))?;
             if !decoder.is_apng().map_err(damaged)? {
                 return Ok(Vec::new());
             }
-            decoder.apng().map_err(damaged)?.into_frames()
+            let orientation = bound(&mut decoder)?;
+            (decoder.apng().map_err(damaged)?.into_frames(), orientation)
         }
         Some(ImageFormat::WebP) => {
-            let decoder = WebPDecoder::new(Cursor::new(file)).map_err(damaged)?;
+            let mut decoder = WebPDecoder::new(Cursor::new(file)).map_err(damaged)?;
             if !decoder.has_animation() {
                 return Ok(Vec::new());
             }
-            decoder.into_frames()
+            let orientation = bound(&mut decoder)?;
+            (decoder.into_frames(), orientation)
         }
         _ => return Ok(Vec::new()),
     };
@@ -43,10 +51,19 @@ pub(super) fn decode_frames(file: &[u8], format: Option<ImageFormat>, transfer: 
             return Err(too_large(&format!("has that in its first {} pictures", out.len() + 1)));
         }
         let seconds = seconds_of(&frame);
-        let image = DynamicImage::ImageRgba8(frame.into_buffer());
+        let mut image = DynamicImage::ImageRgba8(frame.into_buffer());
+        image.apply_orientation(orientation);
         out.push((to_picture(&image, transfer).ok_or_else(|| Problem::damaged("", "a picture has no pixels"))?, seconds));
     }
     Ok(if out.len() > 1 { out } else { Vec::new() })
+}
+
+/// Keeps a decoder to the limits of still images before it sets memory aside; how its pictures are turned.
+fn bound(decoder: &mut impl ImageDecoder) -> Result<Orientation, Problem> {
+    decoder.set_limits(limits()).map_err(|e| explain(&e))?;
+    check_size(decoder.dimensions())?;
+    // A file without readable metadata is upright.
+    Ok(decoder.orientation().unwrap_or(Orientation::NoTransforms))
 }
 
 fn seconds_of(frame: &Frame) -> Option<f64> {
@@ -73,16 +90,18 @@ pub(super) fn sequence(first: &Path) -> Result<Vec<PathBuf>, Problem> {
         return Err(Problem::new("", "its name does not end in a number, so it begins no sequence", remedy));
     };
     let file = |k: u64| {
-        let mut path = first.with_file_name(format!("{name}{k:0digits$}"));
+        // The name may have dots of its own, so the extension is added, not set.
+        let mut file = OsString::from(format!("{name}{k:0digits$}"));
         if let Some(extension) = first.extension() {
-            path.set_extension(extension);
+            file.push(".");
+            file.push(extension);
         }
-        path
+        first.with_file_name(file)
     };
-    let files: Vec<PathBuf> = (start..).map(file).take_while(|path| path.is_file()).collect();
+    let files: Vec<PathBuf> = (start..=u64::MAX).map(file).take_while(|path| path.is_file()).collect();
     if files.len() > 1 {
         return Ok(files);
     }
-    let next = file(start + 1);
-    Err(Problem::new("", format!("there is no {} after it, so it begins no sequence", next.display()), remedy))
+    let next = start.checked_add(1).map_or_else(|| "number".to_owned(), |k| file(k).display().to_string());
+    Err(Problem::new("", format!("there is no {next} after it, so it begins no sequence"), remedy))
 }

@@ -77,19 +77,9 @@ pub(crate) fn decode(file: &[u8], format: Option<ImageFormat>, transfer: Transfe
     if reader.format() == Some(ImageFormat::Jpeg) && !jpeg_ends(file) {
         return Err(Problem::damaged("", "the image cannot be decoded whole (it ends in the middle of the picture)"));
     }
-    let mut limits = Limits::default();
-    limits.max_image_width = Some(MOST_PIXELS_ACROSS);
-    limits.max_image_height = Some(MOST_PIXELS_ACROSS);
-    limits.max_alloc = Some(MOST_BYTES);
-    reader.limits(limits);
+    reader.limits(limits());
     let mut decoder = reader.into_decoder().map_err(|e| explain(&e))?;
-    let (width, height) = decoder.dimensions();
-    if u64::from(width) * u64::from(height) > MOST_PIXELS {
-        return Err(too_large(&format!("has {width} x {height}")));
-    }
-    if width == 0 || height == 0 {
-        return Err(Problem::damaged("", "the image has no pixels"));
-    }
+    check_size(decoder.dimensions())?;
     // A file without readable metadata is upright.
     let orientation = decoder.orientation().ok();
     let mut image = DynamicImage::from_decoder(decoder).map_err(|e| explain(&e))?;
@@ -97,6 +87,26 @@ pub(crate) fn decode(file: &[u8], format: Option<ImageFormat>, transfer: Transfe
         image.apply_orientation(orientation);
     }
     to_picture(&image, transfer).ok_or_else(|| Problem::damaged("", "the image has no pixels"))
+}
+
+/// What a decoder may take.
+pub(super) fn limits() -> Limits {
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MOST_PIXELS_ACROSS);
+    limits.max_image_height = Some(MOST_PIXELS_ACROSS);
+    limits.max_alloc = Some(MOST_BYTES);
+    limits
+}
+
+/// Whether an image of this width and height is read.
+pub(super) fn check_size((width, height): (u32, u32)) -> Result<(), Problem> {
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        return Err(too_large(&format!("has {width} x {height}")));
+    }
+    if width == 0 || height == 0 {
+        return Err(Problem::damaged("", "the image has no pixels"));
+    }
+    Ok(())
 }
 
 /// True if a JPEG's picture comes to an end: its segments lead to a scan, and after that an end marker follows. (Within a
@@ -115,7 +125,7 @@ fn jpeg_ends(file: &[u8]) -> bool {
     false
 }
 
-fn explain(error: &image::ImageError) -> Problem {
+pub(super) fn explain(error: &image::ImageError) -> Problem {
     match error {
         image::ImageError::Limits(_) => too_large("is larger"),
         image::ImageError::Unsupported(e) => Problem::new("", e.to_string(), "save it as PNG, 8 or 16 bit"),

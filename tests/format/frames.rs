@@ -55,7 +55,7 @@ fn animated_files_give_their_pictures_each_for_its_own_while() {
         encoder.encode_frame(Frame::from_parts(plain, 0, 0, Delay::from_numer_denom_ms(milliseconds, 1))).unwrap();
     }
     drop(encoder);
-    let (fire, told) = read(&path, FrameOptions { per_second: 4.0, ..FrameOptions::default() }).unwrap();
+    let (fire, told) = read(&path, FrameOptions { per_second: Some(4.0), ..FrameOptions::default() }).unwrap();
     let frames = fire.frames().unwrap();
     assert_eq!((frames.by(), frames.count()), (FramesBy::Time, 3), "three pictures");
     assert_eq!(frames.seconds(), [0.1, 0.3, 0.25], "the last one does not say, so it takes the usual while");
@@ -156,4 +156,108 @@ fn frames_that_do_not_belong_together_are_refused() {
         let error = plain(4, 4).set_frames(FramesBy::Time, others, seconds).unwrap_err().to_string();
         assert!(error.contains(told), "{told:?}: {error}");
     }
+}
+
+#[test]
+fn names_of_a_sequence_may_have_dots_and_the_highest_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    picture(1).save(file("fire.v2_01.png")).unwrap();
+    picture(2).save(file("fire.v2_02.png")).unwrap();
+    let (fire, _) = read(&file("fire.v2_01.png"), from(FrameSource::Sequence)).unwrap();
+    assert_eq!(fire.frames().unwrap().others().iter().map(red).collect::<Vec<_>>(), [120], "the dot stays in the name");
+    let last = format!("x_{}.png", u64::MAX);
+    picture(1).save(file(&last)).unwrap();
+    let error = read(&file(&last), from(FrameSource::Sequence)).unwrap_err().to_string();
+    assert!(error.contains("no number after it"), "{error}");
+}
+
+#[test]
+fn frames_beyond_the_pixels_of_the_largest_image_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |k: u32| folder.path().join(format!("huge_{k:02}.png"));
+    image::GrayImage::from_pixel(2048, 2048, image::Luma([9])).save(file(1)).unwrap();
+    // Only the first is ever decoded.
+    (2..=17).for_each(|k| std::fs::write(file(k), b"no image").unwrap());
+    let error = read(&file(1), from(FrameSource::Sequence)).unwrap_err().to_string();
+    assert!(error.contains("sequence of 17 of 2048 x 2048") && error.contains("megapixels"), "{error}");
+
+    let path = folder.path().join("wide.gif");
+    let mut gif = GifEncoder::new(std::fs::File::create(&path).unwrap());
+    (0..2).for_each(|k| gif.encode_frame(Frame::new(RgbaImage::from_pixel(33_000, 1, Rgba([9 * k, 0, 0, 255])))).unwrap());
+    drop(gif);
+    let error = read(&path, FrameOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("pixels across"), "as wide as no still image may be: {error}");
+}
+
+#[test]
+fn a_given_opacity_goes_before_that_of_the_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    apng(&file("fire.png"), 3, 8);
+    image::GrayImage::from_pixel(SIZE[0], SIZE[1], image::Luma([51])).save(file("holes.png")).unwrap();
+    let channels = [(Channel::Opacity, file("holes.png"))].into();
+    let (fire, _) = read_exemplar(&file("fire.png"), &ExemplarOptions { channels, ..ExemplarOptions::default() }).unwrap();
+    let frames = fire.frames().unwrap();
+    for (k, frame) in std::iter::once(&fire).chain(frames.others()).enumerate() {
+        let opacity = frame.channel(Channel::Opacity).unwrap().finest().data();
+        assert!(opacity.iter().all(|a| (a - 0.2).abs() < 1e-6), "frame {k}: {}", opacity[0]);
+    }
+}
+
+/// The checksum of a PNG's chunks.
+fn crc(bytes: &[u8]) -> u32 {
+    let bit = |c: u32| if c & 1 == 1 { 0xEDB8_8320 ^ (c >> 1) } else { c >> 1 };
+    !bytes.iter().fold(u32::MAX, |crc, &b| (0..8).fold(crc ^ u32::from(b), |c, _| bit(c)))
+}
+
+#[test]
+fn pictures_of_an_animation_are_turned_as_their_file_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("turned.png");
+    apng(&path, 2, 8);
+    let mut bytes = std::fs::read(&path).unwrap();
+    // Orientation 6: a quarter turn. It goes behind the header's chunk.
+    let mut chunk = b"eXIfMM\0*\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0\x06\0\0\0\0\0\0".to_vec();
+    let sum = crc(&chunk);
+    let length = (chunk.len() as u32 - 4).to_be_bytes();
+    chunk.extend(sum.to_be_bytes());
+    bytes.splice(33..33, length.into_iter().chain(chunk));
+    std::fs::write(&path, bytes).unwrap();
+    let (still, _) = read(&path, from(FrameSource::First)).unwrap();
+    assert_eq!(still.size(), [SIZE[1], SIZE[0]], "as a still image is turned");
+    let (moving, _) = read(&path, FrameOptions::default()).unwrap();
+    assert_eq!(moving.size(), still.size());
+    let colors = |e: &Exemplar| e.channel(Channel::BaseColor).unwrap().finest().data().to_vec();
+    assert_eq!(colors(&moving), colors(&still), "pixel by pixel");
+}
+
+#[test]
+fn frames_a_second_that_change_nothing_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    apng(&file("fire.png"), 2, 8);
+    picture(1).save(file("still.png")).unwrap();
+    let fps = |from| FrameOptions { per_second: Some(4.0), from, ..FrameOptions::default() };
+    let told = |name: &str, options| {
+        let (_, warnings) = read(&file(name), options).unwrap();
+        warnings.into_iter().filter(|w| !w.note && w.text.contains("change nothing")).map(|w| w.text).collect::<Vec<_>>().join(" ")
+    };
+    assert!(told("still.png", fps(FrameSource::File)).contains("one picture"));
+    assert!(told("fire.png", fps(FrameSource::File)).contains("how long each frame is shown"));
+    assert!(told("fire.png", fps(FrameSource::First)).contains("only its first frame"));
+    let by_view = FrameOptions { by: Some(FramesBy::View), ..fps(FrameSource::Sprites([2, 1])) };
+    assert!(told("still.png", by_view).contains("do not go by time"));
+    assert_eq!(told("still.png", fps(FrameSource::Sprites([2, 1]))), "", "they say how long cells are shown");
+}
+
+#[test]
+fn a_channel_that_is_added_reaches_all_frames() {
+    let plain = |v| Exemplar::new("e", lapped::exemplar::Image::from_fn(4, 4, |_, _| Vec3::splat(v)));
+    let mut moving = plain(0.0);
+    moving.set_frames(FramesBy::View, vec![plain(0.5), plain(1.0)], Vec::new()).unwrap();
+    moving.set(Channel::Height, lapped::exemplar::Image::grey_from_fn(4, 4, |_, _| 0.5)).unwrap();
+    assert!(moving.frames().unwrap().others().iter().all(|e| e.channels() == moving.channels()), "frames keep alike");
+    let told = plain(0.0).set_frames(FramesBy::Time, vec![plain(1.0)], vec![f64::MAX; 2]).unwrap_err().to_string();
+    assert!(told.contains("without end"), "{told}");
 }

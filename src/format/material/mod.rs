@@ -89,7 +89,8 @@ pub fn read_exemplar(path: &Path, options: &ExemplarOptions) -> Result<(Exemplar
     for (channel, image) in read_channels(&found, options, exemplar.size(), &mut warnings)? {
         exemplar.set(channel, image).map_err(fail)?;
     }
-    let mut exemplar = frames::add(exemplar, pictures, base, options, &mut warnings)?;
+    let keeps_opacity = found.files.contains_key(&Role::Channel(Channel::Opacity));
+    let mut exemplar = frames::add(exemplar, pictures, base, options, keeps_opacity, &mut warnings)?;
     if options.equalize {
         let Evened { varied, clipped } = equalize(&mut exemplar);
         note(&mut warnings, base, &format!("its light varied by {:.0} %, and was evened out", 100.0 * varied));

@@ -9,7 +9,7 @@ use crate::format::gltf::motion::{Part, Tree, read_motion};
 use crate::format::gltf::scene_out::OWN_COLOR;
 use crate::format::gltf::{glb, scene, uri};
 use crate::format::model::{FaceGroup, Model, Source};
-use crate::format::picture::{Transfer, decode};
+use crate::format::picture::{MOST_PIXELS, Transfer, decode, too_large};
 use crate::format::{FormatError, read_file};
 use crate::paste::cut::CUT_STEPS;
 use crate::paste::{AGREES, Cut, LappedTexture, Layer, Paste, Turn};
@@ -239,6 +239,12 @@ fn read_exemplar(data: &Data<'_>, index: usize, entry: &ExemplarEntry) -> Result
     let place = format!("exemplar {index}");
     let mut exemplar = read_frame(data, &place, entry, &entry.images, None)?;
     if let Some(frames) = &entry.frames {
+        // One small image may be named by many frames, and is decoded for each.
+        let area = exemplar.size().map(u64::from).iter().product::<u64>();
+        let count = frames.images.len() + 1;
+        if area.saturating_mul(count as u64) > MOST_PIXELS {
+            return Err(Problem { place, ..too_large(&format!("has {count} frames of {} x {}", entry.size[0], entry.size[1])) });
+        }
         let other = |(k, images)| read_frame(data, &format!("{place}, frame {}", k + 2), entry, images, Some(&exemplar));
         let others = frames.images.iter().enumerate().map(other).collect::<Result<_, _>>()?;
         let set = exemplar.set_frames(frames.by, others, frames.seconds.clone());
