@@ -228,6 +228,7 @@ pub fn run(args: &BakeArgs) -> anyhow::Result<()> {
         .try_for_each(|p| check_output(p))?;
     let bar = Bar::new(args.common.quiet);
     let record = read_record(&args.model)?;
+    tell_first_frame(&record, &args.common);
     if args.layers {
         return layers(args, kind, record, begin);
     }
@@ -323,6 +324,13 @@ fn displaced(
     })?;
     let model = Model { name: record.model.name.clone(), ..model };
     Ok((Record { model, look: Some(look), generator: record.generator.clone(), ..Record::default() }, atlas, report))
+}
+
+/// Tells that what is baked stands still.
+fn tell_first_frame(record: &Record, common: &Common) {
+    for exemplar in record.lapped.exemplars.iter().filter(|e| e.frames().is_some()) {
+        common.warn(&format!("exemplar {}: its frames cannot be baked, so the baked texture shows the first alone", exemplar.name));
+    }
 }
 
 /// Writes the pastes as ordinary primitives.

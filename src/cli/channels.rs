@@ -105,8 +105,16 @@ impl ChannelArgs {
     }
 
     /// How to read an exemplar.
-    #[must_use]
-    pub fn options(&self, alone: bool) -> ExemplarOptions {
+    ///
+    /// # Errors
+    /// If flags contradict each other.
+    pub fn options(&self, alone: bool) -> anyhow::Result<ExemplarOptions> {
+        if self.frames == Some(FramesArg::First) && (self.sequence || self.sprites.is_some()) {
+            let flag = if self.sequence { "--sequence" } else { "--sprites" };
+            anyhow::bail!(
+                "--frames first takes the first picture of an animated file, {flag} asks for more: leave out one of them"
+            );
+        }
         let normal = match self.normal_convention {
             ConventionArg::Auto => None,
             ConventionArg::Opengl => Some(NormalConvention::OpenGl),
@@ -125,6 +133,7 @@ impl ChannelArgs {
             Some(FramesArg::First) | None => None,
         };
         let frames = FrameOptions { from, by, per_second: self.fps };
-        ExemplarOptions { channels: self.files(), alone, normal, equalize: self.equalize, frames, ..ExemplarOptions::default() }
+        let (channels, equalize) = (self.files(), self.equalize);
+        Ok(ExemplarOptions { channels, alone, normal, equalize, frames, ..ExemplarOptions::default() })
     }
 }

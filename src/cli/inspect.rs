@@ -1,8 +1,8 @@
 //! `lapped inspect`: what is in a file, and what cleaning would do to it.
 
 use super::{Common, report};
-use crate::exemplar::Channel;
 use crate::exemplar::symmetry::{Symmetry, exemplar_symmetry};
+use crate::exemplar::{Channel, Frames, FramesBy};
 use crate::field::{DEFAULT_RATIO, default_scale};
 use crate::format::motion::Animation;
 use crate::format::{
@@ -111,10 +111,36 @@ struct ImageReport {
     width: u32,
     height: u32,
     channels: Vec<&'static str>,
+    /// How it changes, if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frames: Option<FramesReport>,
     /// How its colour image looks when turned; not looked at in records.
     #[serde(skip_serializing_if = "Option::is_none")]
     symmetry: Option<Symmetry>,
     warnings: Vec<String>,
+}
+
+/// The frames of an exemplar.
+#[derive(Debug, Serialize)]
+struct FramesReport {
+    by: FramesBy,
+    count: usize,
+    /// Until the first comes back; 0 unless they go by time.
+    seconds: f64,
+}
+
+impl FramesReport {
+    fn of(frames: &Frames) -> Self {
+        Self { by: frames.by(), count: frames.count(), seconds: frames.duration() }
+    }
+
+    fn in_words(&self) -> String {
+        match self.by {
+            FramesBy::Time => format!("{} frames over {:.2} s", self.count, self.seconds),
+            FramesBy::View => format!("{} frames by the angle to the eye", self.count),
+            FramesBy::Light => format!("{} frames by the angle to the main lamp", self.count),
+        }
+    }
 }
 
 /// Pixels and components of the exemplar that estimates suppose: a colour image of 512 x 512.
@@ -185,7 +211,8 @@ fn show(args: &InspectArgs, found: &impl Serialize, text: String) -> anyhow::Res
 fn image_report(exemplar: &crate::exemplar::Exemplar, warnings: Vec<String>) -> ImageReport {
     let [width, height] = exemplar.size();
     let channels = exemplar.channels().iter().map(Channel::name).collect();
-    ImageReport { kind: "exemplar", name: exemplar.name.clone(), width, height, channels, symmetry: None, warnings }
+    let frames = exemplar.frames().map(FramesReport::of);
+    ImageReport { kind: "exemplar", name: exemplar.name.clone(), width, height, channels, frames, symmetry: None, warnings }
 }
 
 fn lapped_report(record: &Record) -> LappedReport {
@@ -245,6 +272,7 @@ fn mesh_report(args: &InspectArgs, path: &Path, model: &Model, lapped: Option<La
 
 fn image_text(found: &ImageReport) -> String {
     let mut text = format!("{}: {}x{} pixels, {}\n", found.name, found.width, found.height, found.channels.join(", "));
+    found.frames.iter().for_each(|f| text += &format!("  changes       {}\n", f.in_words()));
     found.symmetry.iter().for_each(|s| text += &format!("  turned        {s}\n"));
     found.warnings.iter().for_each(|w| text += &format!("  note: {w}\n"));
     text
@@ -313,7 +341,9 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
                 text += &format!("  layers        {}\n", l.layers.join(", "));
             }
             for e in &l.exemplars {
-                text += &format!("  exemplar      {}: {}x{}, {}\n", e.name, e.width, e.height, e.channels.join(", "));
+                let changes = e.frames.as_ref().map_or_else(String::new, |f| format!("; {}", f.in_words()));
+                let channels = e.channels.join(", ");
+                text += &format!("  exemplar      {}: {}x{}, {channels}{changes}\n", e.name, e.width, e.height);
             }
         }
         None => {

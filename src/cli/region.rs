@@ -340,7 +340,7 @@ fn inputs(args: &RegionArgs, exemplars: &[PathBuf], common: &Common) -> anyhow::
     let mut choices = Vec::new();
     let mut inputs = Vec::new();
     for (i, path) in exemplars.iter().enumerate() {
-        let (mut exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only))?;
+        let (mut exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only)?)?;
         told.iter().for_each(|t| common.pass_on(t));
         let weight = args.weights.get(i).copied().unwrap_or(1.0);
         if !(weight > 0.0 && weight.is_finite()) {

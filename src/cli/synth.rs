@@ -398,8 +398,11 @@ enum Given {
 /// Reads the exemplar: a mesh by its file's ending, an image otherwise.
 fn exemplar(args: &SynthArgs) -> anyhow::Result<Given> {
     let read = |path: &Path| -> anyhow::Result<Box<Exemplar>> {
-        let (exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only))?;
+        let (exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only)?)?;
         told.iter().for_each(|w| args.common.pass_on(w));
+        if exemplar.frames().is_some() {
+            args.common.warn(&format!("{}: what is synthesised does not change: it follows the first frame alone", path.display()));
+        }
         Ok(Box::new(exemplar))
     };
     let ending = exemplar_path(args).extension().map(|e| e.to_string_lossy().to_ascii_lowercase());

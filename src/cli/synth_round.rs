@@ -149,8 +149,11 @@ pub(super) fn run(args: &SynthArgs) -> anyhow::Result<()> {
         bail!("{}: with --method chen-dong the exemplar is an image; --method wei-levoy takes a painted mesh", path.display());
     }
     check(args)?;
-    let (exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only))?;
+    let (exemplar, told) = read_exemplar(path, &args.channels.options(args.color_only)?)?;
     told.iter().for_each(|w| args.common.pass_on(w));
+    if exemplar.frames().is_some() {
+        args.common.warn(&format!("{}: what is synthesised does not change: it follows the first frame alone", path.display()));
+    }
     match args.plane {
         Some(size) => plane(args, size.0, &exemplar, &job),
         None => surface(args, &exemplar, job),

@@ -5,7 +5,7 @@
 //! cell, on the demo meshes, scans and exemplars of 256 to 4096 pixels; see `docs/performance.md`. Tests hold pastes and
 //! memory of the demo meshes to within [`TRUST`] of these figures. Needles and rough scans take longer than told here.
 
-use crate::exemplar::{Channel, Exemplar};
+use crate::exemplar::{Channel, Exemplar, Frames};
 use crate::mesh::CleanReport;
 use crate::paste::{FINEST_WINDOW, PASTES_PER_COVER};
 use serde::Serialize;
@@ -55,6 +55,8 @@ pub struct Work {
     pub directed: bool,
     /// Pixels and components of each exemplar.
     pub exemplars: Vec<(f64, usize)>,
+    /// Numbers in the frames of exemplars after the first, but for those that they share with it.
+    pub frames: f64,
     /// Whether each paste's window of its exemplar is chosen.
     pub windows: bool,
     /// Threads at work.
@@ -69,12 +71,19 @@ impl Work {
             let [w, h] = e.size().map(f64::from);
             (w * h, e.channels().iter().map(Channel::components).sum())
         };
+        let frames = |e: &Exemplar| {
+            let own = |other: &Exemplar, c: Channel| !e.channel(c).zip(other.channel(c)).is_some_and(|(a, b)| a.shares_pixels(b));
+            let others = e.frames().map_or(&[][..], Frames::others).iter();
+            let components: usize = others.flat_map(|o| o.channels().iter().filter(|&c| own(o, c))).map(Channel::components).sum();
+            e.size().map(f64::from).iter().product::<f64>() * components as f64
+        };
         Self {
             faces: report.faces,
             components: report.components,
             ratio,
             directed,
             exemplars: exemplars.iter().map(size).collect(),
+            frames: exemplars.iter().map(frames).sum(),
             windows,
             threads: rayon::current_num_threads(),
         }
@@ -123,7 +132,7 @@ impl Estimate {
             memory_bytes: BASE
                 + FACE[directed] * faces
                 + PIXEL * pixels
-                + COMPONENT * numbers
+                + COMPONENT * (numbers + work.frames)
                 + WINDOW_COMPONENT * windows
                 + CELL * cells,
         }

@@ -128,6 +128,17 @@ fn an_exemplar_that_changes_is_pasted_drawn_at_a_moment_and_played() {
         let said = text(&out.stderr);
         assert!(!out.status.success() && said.contains("neither the model nor its texture has an animation"), "{said}");
     }
+    // What changes is told, and where it cannot.
+    for (file, words) in [("out/b.glb", "2 frames over 0.33 s"), ("out/v.glb", "2 frames by the angle to the eye")] {
+        let found = text(&place.run(&["inspect", file]).stdout);
+        assert!(found.contains(words), "{found}");
+    }
+    let said = told(&place, &["bake", "out/b.glb", "-o", "out/baked.glb", "--size", "64"], 0);
+    assert!(said.contains("shows the first alone"), "{said}");
+    let said = text(&paste("out/f.glb", &["--frames", "first"]).stderr);
+    assert!(said.contains("leave out one of them"), "{said}");
+    let said = text(&paste("out/v.glb", &["--frames", "light", "--fps", "6"]).stderr);
+    assert!(said.contains("change nothing: its frames do not go by time"), "{said}");
     let out = paste("out/f.glb", &["--sprites", "3x1"]);
     assert!(!out.status.success(), "one sheet has one number of cells");
 }

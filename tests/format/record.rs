@@ -149,3 +149,64 @@ fn any_gltf_reader_sees_the_plain_mesh() {
         "all channels, masks, and what later frames do not share with the first are ordinary images"
     );
 }
+
+/// A record's file with its second exemplar's frames changed.
+fn with_frames(file: &[u8], change: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
+    let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    let mut document: serde_json::Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+    let extensions = document["extensions"].as_object_mut().unwrap();
+    let record = extensions.values_mut().find(|e| e.get("pastes").is_some()).unwrap();
+    change(&mut record["exemplars"][1]["frames"]);
+    let mut json = document.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let rest = &file[20 + length..];
+    let mut out = file[..8].to_vec();
+    out.extend((20 + json.len() as u32 + rest.len() as u32).to_le_bytes());
+    out.extend((json.len() as u32).to_le_bytes());
+    out.extend(b"JSON");
+    out.extend(json);
+    out.extend(rest);
+    out
+}
+
+#[test]
+fn frames_that_contradict_their_record_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.glb");
+    write_record(&path, &full_record()).unwrap();
+    let file = std::fs::read(&path).unwrap();
+    std::fs::write(&path, with_frames(&file, |_| {})).unwrap();
+    assert_eq!(read_record(&path).unwrap().lapped.exemplars[1].frames().unwrap().count(), 3, "unchanged it is read");
+    let refused = |change: &dyn Fn(&mut serde_json::Value), words: &str| {
+        std::fs::write(&path, with_frames(&file, change)).unwrap();
+        let error = read_record(&path).unwrap_err().to_string();
+        assert!(error.contains(words) && error.contains("record.glb"), "{words:?}: {error}");
+    };
+    refused(&|f| f["seconds"][1] = 0.into(), "frame 2 is shown for 0 seconds");
+    refused(&|f| f["seconds"][1] = (-1.5).into(), "frame 2 is shown for -1.5 seconds");
+    refused(&|f| f["seconds"] = serde_json::json!([1e308, 1e308, 1e308]), "without end");
+    refused(&|f| f["seconds"] = serde_json::json!([1.0]), "durations for 1 frames, not for 3");
+    refused(&|f| f["by"] = "view".into(), "durations for 3 frames, not for 0");
+    refused(&|f| f["by"] = "moon".into(), "moon");
+    refused(&|f| f["images"] = serde_json::json!([]), "only one frame");
+    refused(&|f| f["images"][0]["baseColor"] = 100_000.into(), "texture 100000 has no image");
+    refused(&|f| f["images"][0]["roughness"] = f["images"][0]["height"].clone(), "roughness");
+    // The same small image over and over: what it decodes to has bounds too.
+    let crowd = |f: &mut serde_json::Value| f["images"] = vec![f["images"][0].clone(); (1 << 20) + 1].into();
+    refused(&crowd, "1048578 frames of 8 x 8");
+}
+
+#[test]
+fn frames_by_time_view_and_light_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("record.glb");
+    for by in [FramesBy::Time, FramesBy::View, FramesBy::Light] {
+        let mut record = full_record();
+        let exemplar = &mut record.lapped.exemplars[1];
+        let frames = exemplar.frames().unwrap().clone();
+        let seconds = if by == FramesBy::Time { frames.seconds().to_vec() } else { Vec::new() };
+        exemplar.set_frames(by, frames.others().to_vec(), seconds).unwrap();
+        write_record(&path, &record).unwrap();
+        assert_eq!(read_record(&path).unwrap().lapped.exemplars, record.lapped.exemplars, "{by:?}");
+    }
+}
