@@ -9,7 +9,7 @@ use crate::exemplar::{Exemplar, Outline, PatchOptions, PatchShape, PatchSource, 
 use crate::field::Constraints;
 use crate::field::nway::MOST_WAYS;
 use crate::format::{read_exemplar, read_file, read_mask};
-use crate::job::paste::default_feather;
+use crate::job::patches::default_feather;
 use crate::job::{Area, ExemplarInput, PasteJob, Region, Scale, Steer, Where};
 use crate::paste::{IsotropicFit, PasteOptions, Predictor, Weights};
 use anyhow::{Context, anyhow, bail};

@@ -9,7 +9,7 @@ use crate::atlas::{Atlas, AtlasError, BakeOptions, Frames, MAX_SIZE, Page, Stret
 use crate::exemplar::{Exemplar, MipChain, Wrap};
 use crate::job::bake::{default_samples, default_size};
 use crate::job::estimate::{forget_peak, held_memory, peak_memory};
-use crate::job::paste::difficulty;
+use crate::job::guide::difficulty;
 use crate::job::{
     Density, Direction, ExemplarInput, PasteJob, RoundJob, SynthJob, cut_patches, march, synthesize_marched, synthesize_on,
 };

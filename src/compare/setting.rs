@@ -12,7 +12,7 @@ use crate::exemplar::extend::extend_exemplar;
 use crate::exemplar::{Channel, Exemplar, PatchOptions, Wrap};
 use crate::field::{Guide, TangentField};
 use crate::format::Model;
-use crate::job::paste::default_feather;
+use crate::job::patches::default_feather;
 use crate::job::synth::prepared;
 use crate::job::{Guided, PasteJob, Scale, Steer, guided};
 use crate::mesh::{CleanOptions, Cleaned, Mesh, clean};

@@ -1,6 +1,6 @@
 //! Which way a synthesised texture lies: directions at the vertices of every level.
 
-use super::paste::Steer;
+use super::input::Steer;
 use crate::field::nway::align::least_curvature;
 use crate::field::nway::{NWayOptions, NWaySolver, Over, on_pyramid};
 use crate::field::{FieldError, FieldOptions, TangentField, constrained, default_scale};

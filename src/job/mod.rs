@@ -12,12 +12,17 @@ pub mod beside;
 pub mod bind;
 pub mod directions;
 pub mod displace;
+mod error;
 pub mod estimate;
+pub mod guide;
+mod input;
 pub mod moving;
 pub mod painted;
 pub mod paste;
+pub mod patches;
 pub mod project;
 pub mod regions;
+mod report;
 pub mod round;
 pub mod synth;
 
@@ -27,15 +32,17 @@ pub use beside::{Beside, Synthesis};
 pub use bind::Bound;
 pub use directions::Direction;
 pub use displace::{Displace, displace_mesh};
+pub use error::JobError;
 pub use estimate::{Estimate, Work, available_memory};
+pub use guide::{Guided, guided};
+pub use input::{ExemplarInput, PasteJob, Scale, Steer};
 pub use moving::Moving;
 pub use painted::Painted;
-pub use paste::{
-    Draft, Drafts, ExemplarInput, Guided, JobError, JobReport, Laid, PasteJob, Pasted, Scale, Steer, cut_patches, guided, lay,
-    lay_with_draft, paste_model,
-};
+pub use paste::{Draft, Drafts, Laid, Pasted, lay, lay_with_draft, paste_model};
+pub use patches::cut_patches;
 pub use project::{Link, Project, ProjectError, ProjectExemplar};
-pub use regions::{Region, RegionReport, paste_regions};
+pub use regions::{Region, paste_regions};
+pub use report::{JobReport, RegionReport};
 pub use round::{
     Marched, Refined, RoundJob, RoundJobError, RoundReport, Rounded, march, synthesize_marched, synthesize_plane_image,
 };

@@ -6,7 +6,7 @@
 //! so that a folder may be moved as a whole. `docs/formats.md` describes the keys.
 
 use super::beside::Synthesis;
-use super::paste::{ExemplarInput, PasteJob, Scale, Steer};
+use super::input::{ExemplarInput, PasteJob, Scale, Steer};
 use crate::exemplar::symmetry::exemplar_symmetry;
 use crate::exemplar::{Exemplar, Outline, PatchOptions, PatchSource, PatchSpec};
 use crate::field::Constraints;

@@ -9,17 +9,19 @@
 
 use super::area::{Area, AreaError, shows};
 use super::bind::Outgoing;
+use super::error::JobError;
 use super::estimate::{Estimate, Work};
-use super::paste::{
-    ExemplarInput, JobError, JobReport, PasteJob, Pasted, allow, cut_patches, difficulty, paste_model, scale_of, steer,
-};
+use super::guide::{allow, difficulty, scale_of, steer};
+use super::input::{ExemplarInput, PasteJob};
+use super::paste::{Pasted, paste_model};
+use super::patches::cut_patches;
+use super::report::{JobReport, RegionReport};
 use crate::field::{Guide, TangentField};
 use crate::format::{Model, Record};
 use crate::mesh::part::Part;
 use crate::mesh::{CleanOptions, Cleaned, clean};
 use crate::paste::{LappedTexture, Layer, Paste, PasteError, PasteStatistics, paste};
 use crate::progress::Progress;
-use serde::Serialize;
 use std::time::Instant;
 
 /// One region.
@@ -35,21 +37,6 @@ pub struct Region {
     pub inputs: Vec<ExemplarInput>,
     /// How it is pasted. Cleaning and memory are those of the first region.
     pub job: PasteJob,
-}
-
-/// Figures of one region.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct RegionReport {
-    /// Its name.
-    pub name: String,
-    /// Faces on which any of it shows.
-    pub faces: usize,
-    /// World length of one exemplar width.
-    pub scale: f64,
-    /// Its area over the first exemplar's.
-    pub ratio: f64,
-    /// Figures of pasting.
-    pub paste: PasteStatistics,
 }
 
 /// Dresses a model in its regions, later ones on top. A single region that covers everything is [`paste_model`].

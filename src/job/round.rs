@@ -5,7 +5,7 @@
 //! 2. [`synthesize_marched`]: directions for the vertices, and matching.
 
 use super::directions::{Direction, Way, directions};
-use super::paste::Steer;
+use super::input::Steer;
 use super::synth::{Density, ScaleError, VERTICES, levels_of, prepared};
 use crate::exemplar::stack::Stack;
 use crate::exemplar::{Exemplar, Wrap};

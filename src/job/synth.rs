@@ -6,7 +6,7 @@
 //! 4. `synth` matches level by level.
 
 use super::directions::{Direction, Way, directions};
-use super::paste::Steer;
+use super::input::Steer;
 use crate::exemplar::stack::{self, Stack, resized, tiles};
 use crate::exemplar::{Channel, Exemplar, Wrap};
 use crate::field::FieldError;

@@ -17,6 +17,8 @@ pub mod coverage;
 pub mod coverage_backend;
 pub mod cut;
 pub mod draft;
+mod error;
+mod figures;
 pub mod fit;
 pub mod frame;
 pub mod grow;
@@ -24,12 +26,14 @@ mod lapped;
 pub mod lay;
 pub mod layout;
 mod levels;
+mod options;
 pub mod order;
 pub mod overlay;
 pub mod prune;
 mod relief;
 pub mod seam;
 pub mod seed;
+mod size;
 pub mod statistics;
 pub mod stencil;
 mod turn;
@@ -41,11 +45,15 @@ pub use composite::Composite;
 pub use composite_backend::{CompositeBackend, Compositing};
 pub use coverage_backend::{Coverage, CoverageBackend};
 pub use cut::Cut;
+pub use error::PasteError;
+pub use figures::{PasteStatistics, StageSeconds};
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};
 pub use lapped::{AGREES, FaceLists, LappedTexture, Layer, Paste};
 pub use layout::Seeding;
+pub use options::{DISTORTION_DIRECTED, DISTORTION_ISOTROPIC, Finish, PasteOptions};
 pub use seam::{ContrastStatistics, CutStatistics};
+pub use size::PASTES_PER_COVER;
 pub use statistics::SpreadSummary;
 pub use turn::{TURNS, Turn};
 pub use watch::Growth;
@@ -56,8 +64,6 @@ use crate::field::Guide;
 use crate::mesh::Mesh;
 use crate::progress::Progress;
 use audit::audit;
-use frame::singular_values;
-use glam::DMat2;
 use grow::PatchPlan;
 use layout::{Layout, LayoutInput, Loop};
 use order::{HardEdge, permute};
@@ -65,7 +71,7 @@ use overlay::lay_over_hard_edges;
 use prune::prune;
 use rayon::prelude::*;
 use seam::{choose_agreements, choose_cuts, see_without_holes};
-use serde::Serialize;
+use size::{check, check_size, least_scale, mean_scale};
 use std::sync::Arc;
 use std::time::Instant;
 use ways::Turns;
@@ -81,242 +87,6 @@ const AUDIT_TEXELS: f64 = 1.0;
 
 /// Rounds of repairing what the audit found.
 const REPAIRS: usize = 4;
-
-/// Default distortion bound for directed guides: above it pastes shear visibly at the poles of the field, below it their
-/// number rises fast.
-pub const DISTORTION_DIRECTED: f64 = 1.0;
-
-/// Default distortion bound for isotropic guides, whose directions are only propagated.
-pub const DISTORTION_ISOTROPIC: f64 = 1.4;
-
-/// Opaque areas of pastes laid per area of surface: what random seeding takes until nothing is left.
-pub const PASTES_PER_COVER: f64 = 2.3;
-
-/// More pastes than this are refused: the scale is surely a mistake.
-const MAX_PASTES: f64 = 4e6;
-
-/// More coverage cells than this are refused.
-const MAX_CELLS: f64 = 4e9;
-
-/// How to paste.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PasteOptions {
-    /// Seed of all random choices.
-    pub seed: u64,
-    /// Growth stops where the image of the tangential basis is further than this (Frobenius norm) from the texture's
-    /// axes. `None` chooses by the guide.
-    pub distortion: Option<f64>,
-    /// How new vertices are placed.
-    pub predictor: Predictor,
-    /// Weights of faces in the fit.
-    pub weights: Weights,
-    /// How isotropic patches are fitted.
-    pub isotropic_fit: IsotropicFit,
-    /// Sort pastes so that hard edges lie at the bottom.
-    pub hide_hard_edges: bool,
-    /// Lay pastes over hard edges that show ([`overlay`]), if they are hidden at all.
-    pub overlays: bool,
-    /// Leave out pastes that the others make needless ([`prune`](mod@prune)).
-    pub prune: bool,
-    /// Remove faces that later pastes hide.
-    pub cull: bool,
-    /// Let each paste show the part of its exemplar that agrees best with what lies around it ([`window`]).
-    pub windows: bool,
-    /// Let the border of each paste run where it shows least ([`seam`]).
-    pub cuts: bool,
-    /// Let transitions keep the contrast of what they mix ([`contrast`]).
-    pub contrast: bool,
-    /// Where coverage is drawn.
-    pub coverage: Coverage,
-    /// Coverage masks of the texture patches, patch for patch, if they are there from an earlier time; else they are made.
-    pub masks: Option<Arc<[CoverageMask]>>,
-}
-
-impl Default for PasteOptions {
-    fn default() -> Self {
-        Self {
-            seed: 1,
-            distortion: None,
-            predictor: Predictor::default(),
-            weights: Weights::default(),
-            isotropic_fit: IsotropicFit::default(),
-            hide_hard_edges: true,
-            overlays: true,
-            prune: true,
-            cull: true,
-            windows: true,
-            cuts: true,
-            contrast: false,
-            coverage: Coverage::default(),
-            masks: None,
-        }
-    }
-}
-
-impl PasteOptions {
-    /// With nothing that the paper does not have, sorting apart: no windows, cuts, overlays, pruning and contrast kept.
-    #[must_use]
-    pub fn plain(self) -> Self {
-        Self { overlays: false, prune: false, windows: false, cuts: false, contrast: false, ..self }
-    }
-
-    /// The distortion bound that holds for a guide, and for pastes that are free of its direction.
-    #[must_use]
-    pub fn distortion_for(&self, guide: &Guide, free: bool) -> f64 {
-        let usual = if free || matches!(guide, Guide::Isotropic { .. }) { DISTORTION_ISOTROPIC } else { DISTORTION_DIRECTED };
-        self.distortion.unwrap_or(usual)
-    }
-
-    /// What is done once everything is covered.
-    #[must_use]
-    pub const fn finish(&self) -> Finish {
-        Finish { windows: self.windows, cuts: self.cuts, contrast: self.contrast }
-    }
-
-    fn fit(&self) -> lay::FitChoice {
-        lay::FitChoice { weights: self.weights, isotropic: self.isotropic_fit, once: false }
-    }
-}
-
-/// Why pasting ended without a result.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PasteError {
-    /// Nothing to paste.
-    #[error("there is no texture patch to paste: give at least one exemplar")]
-    NoPatches,
-    /// More patches than a record can name.
-    #[error("there are {0} texture patches; a record can name {max}", max = u16::MAX)]
-    TooManyPatches(usize),
-    /// The guide belongs to another mesh.
-    #[error("the field has {found} faces, the mesh {expected}: it was made for another mesh")]
-    GuideSize {
-        /// Faces of the guide.
-        found: usize,
-        /// Faces of the mesh.
-        expected: usize,
-    },
-    /// The field has no usable basis at a face.
-    #[error("the tangent field vanishes or turns inside out at face {face}: give it a direction there")]
-    NoBasis {
-        /// The face.
-        face: u32,
-    },
-    /// The job is far too large for its scale.
-    #[error(
-        "at a scale of {scale:.3e} (world length of one exemplar width) this surface takes about {pastes:.1e} pastes and \
-         {cells:.1e} coverage samples: use a scale of at least {usable:.3e}"
-    )]
-    ScaleTooSmall {
-        /// Mean scale.
-        scale: f64,
-        /// Pastes estimated.
-        pastes: f64,
-        /// Samples estimated.
-        cells: f64,
-        /// A scale that would do.
-        usable: f64,
-    },
-    /// The scale dwarfs the mesh.
-    #[error(
-        "a scale of {scale:.3e} (world length of one exemplar width) is {times:.0e} times the size of the mesh, which would \
-         show a single texel: use one below {usable:.3e}"
-    )]
-    ScaleTooLarge {
-        /// Mean scale.
-        scale: f64,
-        /// Relative to the mesh.
-        times: f64,
-        /// A scale that would do.
-        usable: f64,
-    },
-    /// The distortion bound is no bound.
-    #[error("the distortion bound is {0}: give a number above zero (1 is usual)")]
-    Distortion(f64),
-    /// Something else was to draw coverage, and cannot.
-    #[error("{0}: or let the processor draw coverage (--coverage cpu)")]
-    Coverage(String),
-    /// The progress sink asked to stop.
-    #[error("pasting was cancelled")]
-    Cancelled,
-}
-
-/// A scale above this many bounding box diagonals is refused.
-const MAX_SCALE: f64 = 1e4;
-
-/// Figures of a run.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct PasteStatistics {
-    /// Pastes in the record.
-    pub pastes: usize,
-    /// Pastes laid; the difference was pruned or hidden completely.
-    pub pastes_laid: usize,
-    /// Faces of all surface patches together, as grown.
-    pub grown_faces: u64,
-    /// Draws per face before culling: mean over faces.
-    pub draws_before_cull: f64,
-    /// Draws per face in the record: mean over faces.
-    pub draws_per_face: f64,
-    /// The same, mean over the surface's area.
-    pub draws_per_area: f64,
-    /// Conjugate gradient iterations per fit.
-    pub iterations_per_fit: f64,
-    /// Share of pastes that grew again after a fit.
-    pub regrowths_per_paste: f64,
-    /// Seeds whose texture patch was too thin to cover a coverage cell.
-    pub forced_seeds: u64,
-    /// Coverage samples.
-    pub coverage_samples: u64,
-    /// Points of the final audit.
-    pub audit_samples: u64,
-    /// The least composite alpha it found.
-    pub least_alpha: f32,
-    /// Pastes laid for holes it found.
-    pub repairs: usize,
-    /// Pastes laid over hard edges that showed.
-    pub overlays: usize,
-    /// Pastes left out because the others cover all they did.
-    pub pruned: usize,
-    /// Pastes with a hard edge.
-    pub pastes_with_hard_edges: u64,
-    /// World length of all hard edges, weighted by alpha.
-    pub hard_edge_length: f64,
-    /// World length of hard edges that show, weighted by their alpha and by what lies over them.
-    pub visible_hard_edge_length: f64,
-    /// The same, divided by mean exemplar width, per exemplar area of surface.
-    pub visible_hard_edges_per_exemplar: f64,
-    /// Why growth stopped inside the hull, in edges.
-    pub stops: Stops,
-    /// How the fitted faces deviate from the field.
-    pub deviation: SpreadSummary,
-    /// Windows chosen, and how much better borders agree.
-    pub windows: WindowStatistics,
-    /// Pastes cut, and how much less borders show.
-    pub cuts: CutStatistics,
-    /// How far pastes agree with what lies below, if contrast is kept.
-    pub contrast: ContrastStatistics,
-    /// Seconds per stage.
-    pub seconds: StageSeconds,
-}
-
-/// Seconds per stage. Growing, fitting and covering run on several threads: their seconds are summed over threads.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct StageSeconds {
-    /// Masks, lattices, tables (wall).
-    pub prepare: f64,
-    /// Growing and fitting (all threads).
-    pub lay: f64,
-    /// Coverage and recording (all threads).
-    pub cover: f64,
-    /// The whole loop (wall).
-    pub pasting: f64,
-    /// The audit and its repairs (wall).
-    pub audit: f64,
-    /// Ordering and culling (wall).
-    pub order_and_cull: f64,
-    /// All of it (wall).
-    pub total: f64,
-}
 
 /// Covers a mesh. `difficulty` says per face, 0 to 1, how hard a patch is to lay flat there (empty: nowhere).
 ///
@@ -355,17 +125,6 @@ pub struct Covered {
     seed: u64,
     cull: bool,
     statistics: PasteStatistics,
-}
-
-/// What makes borders disappear, once everything is covered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Finish {
-    /// As [`PasteOptions::windows`].
-    pub windows: bool,
-    /// As [`PasteOptions::cuts`].
-    pub cuts: bool,
-    /// As [`PasteOptions::contrast`].
-    pub contrast: bool,
 }
 
 /// The first part of [`paste`]: lays pastes until nothing shows through, and sorts them. `options.windows`, `options.cuts` and
@@ -533,80 +292,4 @@ fn draws(mesh: &Mesh, pastes: &[Paste]) -> (f64, f64) {
         area += paste.faces.iter().map(|&f| mesh.area(f)).sum::<f64>();
     }
     (count as f64 / mesh.face_count() as f64, area / mesh.total_area())
-}
-
-/// World length of one exemplar width at a face, in the direction where it is least.
-fn least_scale(mesh: &Mesh, guide: &Guide, face: u32) -> f64 {
-    match guide {
-        Guide::Directed(field) if field.right.is_some() => {
-            let (right, up) = field.basis(mesh, face);
-            let normal = mesh.normal(face);
-            let e1 = normal.any_orthonormal_vector();
-            let e2 = normal.cross(e1);
-            let m = DMat2::from_cols_array(&[right.dot(e1), right.dot(e2), up.dot(e1), up.dot(e2)]);
-            singular_values(m).1.abs()
-        }
-        _ => f64::from(guide.scale(face)),
-    }
-}
-
-/// Mean scale over the area.
-fn mean_scale(mesh: &Mesh, guide: &Guide) -> f64 {
-    let sum: f64 = (0..mesh.face_count() as u32).map(|f| mesh.area(f) * f64::from(guide.scale(f))).sum();
-    sum / mesh.total_area()
-}
-
-fn check(mesh: &Mesh, guide: &Guide, patches: &[TexturePatch], options: &PasteOptions) -> Result<(), PasteError> {
-    if patches.is_empty() {
-        return Err(PasteError::NoPatches);
-    }
-    if patches.len() > usize::from(u16::MAX) {
-        return Err(PasteError::TooManyPatches(patches.len()));
-    }
-    let found = match guide {
-        Guide::Directed(field) => field.up.len(),
-        Guide::Isotropic { scale } => scale.len(),
-    };
-    if found != mesh.face_count() {
-        return Err(PasteError::GuideSize { found, expected: mesh.face_count() });
-    }
-    match options.distortion {
-        Some(bound) if bound.is_nan() || bound <= 0.0 => Err(PasteError::Distortion(bound)),
-        _ => Ok(()),
-    }
-}
-
-/// Pixels of a patch with alpha of at least one half.
-fn opaque_pixels(patch: &TexturePatch) -> f64 {
-    patch.mask.finest().data().iter().filter(|&&a| a >= 0.5).count() as f64
-}
-
-/// Refuses scales at which the job would never end, or show nothing.
-fn check_size(
-    mesh: &Mesh,
-    guide: &Guide,
-    texel: &[f32],
-    patches: &[TexturePatch],
-    plans: &[PatchPlan],
-    texels: f64,
-) -> Result<(), PasteError> {
-    let least = |f: u32| f64::from(texel[f as usize]) * texels;
-    if let Some(face) = (0..mesh.face_count() as u32).find(|&f| !(least(f) > 0.0 && least(f).is_finite())) {
-        return Err(PasteError::NoBasis { face });
-    }
-    let scale = mean_scale(mesh, guide);
-    let (low, high) = mesh.bounds();
-    let diagonal = f64::from((high - low).length());
-    if scale > MAX_SCALE * diagonal {
-        return Err(PasteError::ScaleTooLarge { scale, times: scale / diagonal, usable: MAX_SCALE * diagonal });
-    }
-    let widths: f64 = (0..mesh.face_count() as u32).map(|f| mesh.area(f) / (least(f) * least(f))).sum();
-    let opaque: f64 = patches.iter().zip(plans).map(|(p, plan)| opaque_pixels(p) / plan.pixels_per_width().powi(2)).sum();
-    let pastes = PASTES_PER_COVER * widths / (opaque / patches.len() as f64).max(f64::MIN_POSITIVE);
-    let cells = widths * (texels / CELL_TEXELS).powi(2);
-    let excess = (pastes / MAX_PASTES).max(cells / MAX_CELLS);
-    if excess > 1.0 {
-        return Err(PasteError::ScaleTooSmall { scale, pastes, cells, usable: scale * excess.sqrt() });
-    }
-    Ok(())
 }

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use lapped::exemplar::auto::Choice;
 use lapped::exemplar::{Exemplar, Image, PatchOptions, Wrap, make_patches};
-use lapped::job::paste::default_feather;
+use lapped::job::patches::default_feather;
 use lapped::random::Random;
 
 const SIDE: u32 = 128;

@@ -3,7 +3,7 @@
 use super::editor::{self, Canvas, Zoom};
 use super::{Cutter, Line, preview};
 use crate::exemplar::{Channel, Edges, Outline};
-use crate::job::paste::default_feather;
+use crate::job::patches::default_feather;
 use crate::job::project::{Link, ProjectExemplar, Shape};
 use crate::viewer::library::OpenExemplar;
 use crate::viewer::worker::Lane;

@@ -251,7 +251,7 @@ fn patches(app: &mut App, ui: &mut Ui) {
 
         let (mut own, before) = (project.feather.is_some(), project.feather);
         let least = smallest_side(app);
-        let mut feather = before.unwrap_or_else(|| crate::job::paste::default_feather([least; 2]));
+        let mut feather = before.unwrap_or_else(|| crate::job::patches::default_feather([least; 2]));
         let box_hint = "Width in pixels of the fall-off of alpha at a patch's edge; by the exemplar's size if not ticked";
         let toggled = ui.checkbox(&mut own, "feather").on_hover_text(box_hint).changed();
         let slider = Slider::new(&mut feather, 0.0..=least as f32 * 0.2).max_decimals(1);
