@@ -6,7 +6,7 @@
     reason = "helpers of tests fail as tests do, and figures are shown when asked for"
 )]
 
-use crate::common::{compare, pasted, pasted_with, renderers};
+use crate::common::{checks, compare, flat, pasted, pasted_with, renderers, round_patch, scattered};
 use glam::{DVec3, Vec3, Vec4};
 use lapped::exemplar::stack::resized;
 use lapped::exemplar::{Channel, ChannelSet, Exemplar, FramesBy, Image, TexturePatch};
@@ -108,6 +108,18 @@ fn turned_pastes_look_the_same_in_all_modes() {
     let [before, after] = [&plain, &pasted.lapped].map(|lapped| reference(&stage, lapped, &camera, grid));
     assert!(compare(&pasted.mesh, &camera, grid, &before, &after).inside > 4.0, "the turn is seen");
     agree("turned", &pasted.mesh, &pasted.lapped, &DrawOptions::default(), "three-quarter", grid);
+}
+
+#[test]
+#[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
+fn as_many_square_exemplars_as_a_cube_has_sides_look_the_same_in_all_modes() {
+    let mesh = flat(6);
+    let patches = (0..6).map(|k| TexturePatch { exemplar: k, ..round_patch(32, [4, 7]) }).collect();
+    let mut lapped = scattered(&mesh, patches, checks(64), 400);
+    lapped.exemplars = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE, Vec3::ZERO, Vec3::splat(0.5)]
+        .map(|tint| Exemplar::new("tint", Image::from_fn(64, 64, |x, _| tint * (0.5 + x as f32 / 128.0))))
+        .to_vec();
+    agree("six exemplars", &mesh, &lapped, &DrawOptions::default(), "front", Grid { width: 160, height: 160, samples: 2 });
 }
 
 #[test]
@@ -381,7 +393,7 @@ fn the_texture_stays_in_place_on_a_mesh_that_moves() {
                 compare(&mesh, &camera, grid, &expected, &renderer.draw(&subject, &stage, &camera, grid, Path::Single).unwrap());
             assert!(found.inside < INSIDE && found.outline < OUTLINE, "bent by {amount}: {found:?}");
         }
-        let other = crate::common::flat(3);
+        let other = flat(3);
         assert!(renderer.follow(&mut subject, &Stage::new(&other, &options)).is_err(), "another mesh is refused");
     }
 }

@@ -23,14 +23,18 @@ impl<'g> Layers<'g> {
         levels: u32,
         format: TextureFormat,
     ) -> Result<Self, GpuError> {
+        // OpenGL has no arrays of one layer: such a texture would be read as black; and wgpu takes squares by the half dozen for cubes.
+        let layers = match gpu.device.adapter_info().backend {
+            wgpu::Backend::Gl if size[0] == size[1] && layers.is_multiple_of(6) => layers + 1,
+            wgpu::Backend::Gl => layers.max(2),
+            _ => layers,
+        };
         let limits = &gpu.limits;
         if layers > limits.max_texture_array_layers {
             let what = format!("the {label} fill too many layers of {} x {} pixels", size[0], size[1]);
             let (needs, has) = (u64::from(layers), u64::from(limits.max_texture_array_layers));
             return Err(GpuError::Limit { what, needs, has, remedy: "use fewer or smaller ones" });
         }
-        // OpenGL has no arrays of one layer: such a texture would be read as black.
-        let layers = if gpu.device.adapter_info().backend == wgpu::Backend::Gl { layers.max(2) } else { layers };
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
             size: Extent3d { width: size[0], height: size[1], depth_or_array_layers: layers },
