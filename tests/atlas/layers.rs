@@ -2,12 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may fail by panicking")]
 
+use crate::turned::{one_paste, waves};
 use glam::{Vec2, Vec3, Vec4};
-use lapped::exemplar::{Channel, Image};
+use lapped::exemplar::{Channel, Exemplar, Image};
 use lapped::format::Record;
 use lapped::format::export::write_layers;
 use lapped::job::bake::with_normals;
 use lapped::job::{ExemplarInput, PasteJob, Scale, Steer, paste_model};
+use lapped::paste::{TURNS, Turn};
 use lapped::progress::Silent;
 
 fn record() -> Record {
@@ -92,4 +94,31 @@ fn layers_keep_every_channel_that_materials_know_with_tangents_along_their_image
         }
     }
     assert!(seen > 20, "{seen} opaque pixels looked at");
+}
+
+#[test]
+fn layers_of_turned_pastes_show_the_turned_exemplar_and_its_normals() {
+    let folder = tempfile::tempdir().unwrap();
+    let images = |exemplar: Exemplar, turn: Turn| {
+        let mut record = Record { lapped: one_paste(exemplar, turn), ..Record::default() };
+        record.model.positions = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+        record.model.faces = vec![[0, 1, 2], [0, 2, 3]];
+        record.model.normals = Some(vec![Vec3::Z; 4]);
+        let path = folder.path().join("layers.glb");
+        write_layers(&path, &record).unwrap();
+        gltf::import(&path).unwrap().2
+    };
+    let found = images(waves(false), Turn::new(TURNS / 4));
+    let (expected, still) = (images(waves(true), Turn::NONE), images(waves(false), Turn::NONE));
+    assert!(found.len() == expected.len() && found.len() >= 2, "colour and normals, and what the record keeps");
+    let off = |a: &gltf::image::Data, b: &gltf::image::Data| {
+        assert_eq!((a.width, a.height), (b.width, b.height));
+        let steps = a.pixels.iter().zip(&b.pixels).map(|(a, b)| f64::from(a.abs_diff(*b)));
+        steps.sum::<f64>() / a.pixels.len() as f64
+    };
+    // The record's own images differ, those of the layers do not.
+    let same = found.iter().zip(&expected).filter(|(a, b)| off(a, b) < 0.6).count();
+    let turned = found.iter().zip(&still).filter(|(a, b)| off(a, b) > 4.0).count();
+    assert!(same >= 2, "{same} of {} images are those of the turned exemplar", found.len());
+    assert!(turned >= 2, "{turned} differ from those of the exemplar as it is");
 }

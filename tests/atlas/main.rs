@@ -10,3 +10,5 @@ mod export;
 mod folder;
 mod layers;
 mod mips;
+#[path = "../common/turned.rs"]
+mod turned;

@@ -16,6 +16,8 @@ mod hard;
 mod overlays;
 mod prune;
 mod repeat;
+#[path = "../common/turned.rs"]
+mod turned;
 mod turns;
 mod ways;
 mod windows;
