@@ -9,19 +9,23 @@ fn composited(face: u32, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> 
     var above = 1.0;
     var inside = 1.0;
     var weight = 1.0;
+    // What base colours are multiplied by in this layer.
+    var gain = vec3f(1.0);
     let first = starts[face];
     for (var i = starts[face + 1u]; i > first; i--) {
         let entry = entries[i - 1u];
         if entry.paste == MARKER {
             above = left;
             inside = 1.0;
-            weight = layer_weight(entry, bary);
+            let layer = of_layer(entry, bary);
+            weight = layer.weight;
+            gain = layer.gain;
             continue;
         }
         let layer = show(entry, bary, across, down, g);
         let share = above * weight * inside * layer.alpha;
         if share > 0.0 {
-            sum.base_color += share * layer.base_color;
+            sum.base_color += share * gain * layer.base_color;
             sum.normal += share * layer.normal;
             sum.height += share * layer.height;
             sum.roughness += share * layer.roughness;

@@ -34,14 +34,17 @@ fn fragment(in: PasteCorner) -> Blended {
     let g = ground(entry.face, in.bary, in.position.xy);
     let layer = show(entry, in.bary, across, down, g);
     var a = layer.alpha;
+    var gain = vec3f(1.0);
     if has(LAYERS) && a > 0.0 && entry.paste != TINT {
-        a = share_of_below(in.entry, a, in.bary, across, down, g);
+        let share = share_of_below(in.entry, a, in.bary, across, down, g);
+        a = share.weight;
+        gain = share.gain;
     }
     if a <= 0.0 {
         discard;
     }
     var out: Blended;
-    out.base_color = vec4f(layer.base_color * a, a);
+    out.base_color = vec4f(gain * layer.base_color * a, a);
     out.normal = vec4f(layer.normal * a, a);
     out.gloss = vec4f(vec3f(layer.roughness, layer.metallic, layer.occlusion) * a, a);
     out.emissive = vec4f(layer.emissive * a, a);
@@ -50,18 +53,19 @@ fn fragment(in: PasteCorner) -> Blended {
 }
 
 // The share that a paste of a weighted layer has in what lies below the pastes above it: blended over in paint order, shares
-// add up to the layer mixed by its weight as a whole.
-fn share_of_below(index: u32, alpha: f32, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> f32 {
+// add up to the layer mixed by its weight as a whole. With it what the layer's base colours are multiplied by.
+fn share_of_below(index: u32, alpha: f32, bary: vec3f, across: vec3f, down: vec3f, g: Ground) -> OfLayer {
     var inside = 1.0;
-    var weight = 1.0;
+    var layer = OfLayer(1.0, vec3f(1.0));
     // The layer's marker stands on top of it.
     for (var i = index + 1u; i < arrayLength(&entries); i++) {
         let entry = entries[i];
         if entry.paste == MARKER {
-            weight = layer_weight(entry, bary);
+            layer = of_layer(entry, bary);
             break;
         }
         inside *= 1.0 - place_on(entry, bary, across, down, g).alpha;
     }
-    return weight * inside * alpha / max(1.0 - weight * (1.0 - inside), 1e-6);
+    let weight = layer.weight;
+    return OfLayer(weight * inside * alpha / max(1.0 - weight * (1.0 - inside), 1e-6), layer.gain);
 }

@@ -15,8 +15,9 @@ struct Paste {
     turn: vec2f,
 }
 
-// A face under a paste: texture coordinates of its corners over the mask, as bits. Where layers are mixed by weights, one entry
-// more stands on top of each layer: its paste is `MARKER`, its first three numbers are the layer's weights at the corners.
+// A face under a paste: texture coordinates of its corners over the mask, as bits. Where layers are mixed by weights or have
+// bases, one entry more stands on top of each layer: its paste is `MARKER`, its face 1 if there is a base, and the rest holds in 16 bits
+// each the layer's weights at the corners and the base's colours there.
 // Where a face has colours of its own, one entry more stands on top of all: its paste is `TINT`, and each corner has red, green,
 // blue and alpha in 16 bits each.
 struct Entry {
@@ -76,9 +77,27 @@ const BY_VIEW = 4u;
 const BY_LIGHT = 8u;
 const FRAMES = 8u;
 
-// The weight of the layer below a marker.
-fn layer_weight(entry: Entry, bary: vec3f) -> f32 {
-    return clamp(dot(bitcast<vec3f>(vec3u(entry.at0, entry.at1.x)), bary), 0.0, 1.0);
+// Detail that leaves its base as it is (src/exemplar/detail.rs).
+const DETAIL = 0.25;
+
+// What a marker says of the layer below it: its weight, and what its base colours are multiplied by.
+struct OfLayer {
+    weight: f32,
+    gain: vec3f,
+}
+
+fn of_layer(entry: Entry, bary: vec3f) -> OfLayer {
+    let middle = unpack2x16unorm(entry.at0.y);
+    let weights = vec3f(unpack2x16unorm(entry.at0.x), middle.x);
+    let weight = clamp(dot(weights, bary), 0.0, 1.0);
+    if entry.face == 0u {
+        return OfLayer(weight, vec3f(1.0));
+    }
+    let split = unpack2x16unorm(entry.at2.x);
+    let first = vec3f(middle.y, unpack2x16unorm(entry.at1.x));
+    let second = vec3f(unpack2x16unorm(entry.at1.y), split.x);
+    let third = vec3f(split.y, unpack2x16unorm(entry.at2.y));
+    return OfLayer(weight, (first * bary.x + second * bary.y + third * bary.z) / DETAIL);
 }
 
 // Roughness, metallic and occlusion of an exemplar that does not say.

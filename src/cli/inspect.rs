@@ -98,6 +98,8 @@ struct LappedReport {
     pastes: usize,
     /// Names of its layers, from the bottom up.
     layers: Vec<String>,
+    /// Which of them are detail over a base.
+    bases: Vec<bool>,
     draws_per_face: f64,
     has_field: bool,
     subdivided_faces: usize,
@@ -224,6 +226,7 @@ fn lapped_report(record: &Record) -> LappedReport {
         patches: record.lapped.patches.len(),
         pastes: record.lapped.pastes.len(),
         layers: record.lapped.layers.iter().map(|l| l.name.clone()).collect(),
+        bases: record.lapped.layers.iter().map(|l| !l.base.is_empty()).collect(),
         draws_per_face: faces as f64 / record.model.faces.len() as f64,
         has_field: record.field.is_some(),
         subdivided_faces: parts,
@@ -337,8 +340,15 @@ fn mesh_text(path: &Path, m: &MeshReport) -> String {
                 "  lapped        {} pastes of {} texture patches, {:.2} draws per face, by {}\n",
                 l.pastes, l.patches, l.draws_per_face, l.generator
             );
-            if !l.layers.is_empty() {
-                text += &format!("  layers        {}\n", l.layers.join(", "));
+            let named = |(name, based): (&String, &bool)| match (name.as_str(), based) {
+                ("", false) => String::new(),
+                ("", true) => "detail over a base".to_owned(),
+                (name, false) => name.to_owned(),
+                (name, true) => format!("{name} (detail over a base)"),
+            };
+            let layers: Vec<String> = l.layers.iter().zip(&l.bases).map(named).collect();
+            if !layers.is_empty() {
+                text += &format!("  layers        {}\n", layers.join(", "));
             }
             for e in &l.exemplars {
                 let changes = e.frames.as_ref().map_or_else(String::new, |f| format!("; {}", f.in_words()));

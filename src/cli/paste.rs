@@ -37,6 +37,8 @@ Examples:
   Bricks on the faces of one material only, and a whole model in one run from a job file:
       lapped paste house.glb bricks.png -o house-lapped.glb --where material=wall --border 0.1
       lapped paste house.glb --job house.toml -o house-lapped.glb
+  Fine bark over the colours that the mesh is painted in:
+      lapped paste tree.ply bark.jpg -o tree.glb --base vertex
   Lava that flows, sixteen frames of it in one image; velvet that changes with the view, from facing to grazing in three images:
       lapped paste rock.ply lava.png -o lava.glb --sprites 4x4 --fps 8
       lapped paste chair.obj velvet_1.png -o chair.glb --sequence --frames view
@@ -124,7 +126,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 40] = [
+const OF_A_REGION: [&str; 41] = [
     "exemplars",
     "scale",
     "ratio",
@@ -138,6 +140,7 @@ const OF_A_REGION: [&str; 40] = [
     "no_windows",
     "no_cuts",
     "keep_contrast",
+    "base",
     "no_overlays",
     "no_prune",
     "splotches",
@@ -365,6 +368,7 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
         "windows": !args.region.plain && !args.region.no_windows,
         "cuts": !args.region.plain && !args.region.no_cuts,
         "contrast": args.region.keep_contrast,
+        "base": args.region.base.map(|base| base.to_string()),
         "overlays": !args.region.plain && !args.region.no_overlays,
         "prune": !args.region.plain && !args.region.no_prune,
         "regions": pasted.report.regions.iter().map(|r| &r.name).collect::<Vec<_>>(),

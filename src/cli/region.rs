@@ -10,7 +10,7 @@ use crate::field::Constraints;
 use crate::field::nway::MOST_WAYS;
 use crate::format::{read_exemplar, read_file, read_mask};
 use crate::job::patches::default_feather;
-use crate::job::{Area, ExemplarInput, PasteJob, Region, Scale, Steer, Where};
+use crate::job::{Area, Base, ExemplarInput, PasteJob, Region, Scale, Steer, Where};
 use crate::paste::{IsotropicFit, PasteOptions, Predictor, Weights};
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
@@ -61,6 +61,10 @@ pub struct RegionArgs {
     /// Give back the contrast that two textures lose where one fades into the other: for wide --feather, or soft exemplars
     #[arg(long, help_heading = "Texture patches", conflicts_with = "plain")]
     pub keep_contrast: bool,
+    /// Paste the detail of exemplars alone, over a smooth base: their own slow changes of colour (own), the mesh's vertex colours
+    /// (vertex), or one colour (#RRGGBB)
+    #[arg(long, value_name = "own|vertex|#RRGGBB", help_heading = "Texture patches")]
+    pub base: Option<Base>,
     /// Lay no pastes over hard edges that show
     #[arg(long, help_heading = "Texture patches")]
     pub no_overlays: bool,
@@ -237,6 +241,7 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
         scale,
         keep_faces: args.keep_faces,
         feather: args.feather,
+        base: args.base,
         patches: PatchOptions { seed: args.seed, splotches: args.splotches, ..PatchOptions::default() },
         paste: if args.plain { paste.plain() } else { paste },
         ..PasteJob::default()

@@ -4,31 +4,17 @@
 //! changes come back with every paste. So the light is estimated and divided out; colours keep their hue, and whatever is
 //! smaller than a quarter of the exemplar its contrast.
 //!
-//! Based on: local linear regression (Cleveland, "Robust Locally Weighted Regression and Smoothing Scatterplots", JASA 1979),
-//! without the robust steps: a plain blur would flatten towards the edges, where a light from one side is strongest.
-//!
-//! 1. Luminance on a level of a few dozen pixels a side, weighed by opacity.
-//! 2. At each pixel the plane that fits best under a Gaussian window; its height there is the light. Of an exemplar that tiles the
-//!    window goes on at the other side.
-//! 3. Every pixel of the base colour times the mean light over its own.
+//! 1. The light: slow changes ([`slow`](super::slow)) of luminance.
+//! 2. Every pixel of the base colour times the mean light over its own.
 
-use super::stack::tiles;
-use super::{Channel, Exemplar, Image, Wrap};
-use glam::{DMat3, DVec3, Vec2, Vec3};
-use rayon::prelude::*;
+use super::slow::Slow;
+use super::{Channel, Exemplar};
+use glam::Vec3;
 
-/// Longest side of the level on which light is estimated: several pixels to a standard deviation of the window.
-const SIDE: u32 = 48;
-/// Standard deviation of the window, as a share of each side: waves of half a side lose a twentieth of what waves of two sides lose.
-const WINDOW: f64 = 0.2;
-/// A window ends after so many standard deviations.
-const END: f64 = 3.0;
 /// Light is changed at most by this factor: what is darker is dark by itself.
 const MOST: f32 = 4.0;
 /// Luminance of linear colour (Rec. 709).
 const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
-/// How much a plane is held level, as a share of the window's weight: decides where the window holds too few pixels for one.
-const LEVEL: f64 = 1e-6;
 
 /// What [`equalize`] found and did.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,31 +34,24 @@ pub fn equalize(exemplar: &mut Exemplar) -> Evened {
     });
     let none = Evened { varied: 0.0, clipped: 0.0 };
     let Some(color) = exemplar.channel(Channel::BaseColor) else { return none };
-    let level = color.levels().iter().position(|image| image.size().into_iter().max() <= Some(SIDE)).unwrap_or(0);
-    let small = &color.levels()[level];
-    let opacity = exemplar.channel(Channel::Opacity).map(|o| &o.levels()[level]);
-    let wrap = if tiles(exemplar) { Wrap::Repeat } else { exemplar.wrap };
-    let light = light(small, opacity, wrap);
-    let opaque = |i: usize| opacity.map_or(1.0, |o| o.data()[i]);
-    let weight: f32 = (0..light.len()).map(opaque).sum();
-    let mean = light.iter().enumerate().map(|(i, l)| l * opaque(i)).sum::<f32>() / weight;
+    let slow = Slow::new(exemplar, color);
+    let light = slow.changes(|pixel| Vec3::from_slice(pixel).dot(LUMINANCE));
+    let weight: f32 = (0..light.len()).map(|i| slow.opacity(i)).sum();
+    let mean = light.iter().enumerate().map(|(i, l)| l * slow.opacity(i)).sum::<f32>() / weight;
     if !(mean > 0.0) {
         return none;
     }
-    let deviation = light.iter().enumerate().map(|(i, l)| opaque(i) * (l - mean) * (l - mean)).sum::<f32>() / weight;
+    let deviation = light.iter().enumerate().map(|(i, l)| slow.opacity(i) * (l - mean) * (l - mean)).sum::<f32>() / weight;
     let gain = light.iter().map(|l| (mean / l.max(mean / MOST)).max(1.0 / MOST)).collect();
-    let [w, h] = small.size();
-    let Some(gain) = Image::new(w, h, 1, gain) else { return none };
+    let Some(gain) = slow.image(1, gain) else { return none };
 
     let mut image = color.finest().clone();
     let width = image.size()[0] as usize;
-    let scale = Vec2::new(w as f32, h as f32) / Vec2::from(image.size().map(|s| s as f32));
-    let at = |i: usize| wrapped(&gain, (Vec2::new((i % width) as f32, (i / width) as f32) + 0.5) * scale, wrap);
     let mut clipped = 0_usize;
     let count = image.data().len() / 3;
     for (i, pixel) in image.data_mut().chunks_exact_mut(3).enumerate() {
         let before = Vec3::from_slice(pixel);
-        let after = before * at(i);
+        let after = before * gain.at([i % width, i / width]).x;
         clipped += usize::from(after.max_element() > before.max_element().max(1.0));
         after.min(before.max(Vec3::ONE)).write_to_slice(pixel);
     }
@@ -81,88 +60,12 @@ pub fn equalize(exemplar: &mut Exemplar) -> Evened {
     Evened { varied: deviation.sqrt() / mean, clipped: clipped as f32 / count as f32 }
 }
 
-/// A bilinear sample; beyond the edges of an exemplar that tiles lies its other side.
-fn wrapped(image: &Image, at: Vec2, wrap: Wrap) -> f32 {
-    if wrap == Wrap::Clamp {
-        return image.bilinear(at).x;
-    }
-    let size = image.size().map(i64::from);
-    let low = (at - 0.5).floor();
-    let t = at - 0.5 - low;
-    let grey = |x: i64, y: i64| image.grey((low.x as i64 + x).rem_euclid(size[0]), (low.y as i64 + y).rem_euclid(size[1]));
-    let [top, bottom] = [0, 1].map(|y| grey(0, y) + t.x * (grey(1, y) - grey(0, y)));
-    top + t.y * (bottom - top)
-}
-
-/// The light at each pixel.
-fn light(image: &Image, opacity: Option<&Image>, wrap: Wrap) -> Vec<f32> {
-    let [w, h] = image.size().map(|s| s as usize);
-    let kernels = [w, h].map(Kernel::new);
-    let value = |i: usize| f64::from(Vec3::from_slice(&image.data()[3 * i..3 * i + 3]).dot(LUMINANCE));
-    let weight = |i: usize| opacity.map_or(1.0, |o| f64::from(o.data()[i]));
-    // Along rows: sums of 1, x, x x, v, x v under the window.
-    let rows: Vec<[f64; 5]> = (0..w * h)
-        .into_par_iter()
-        .map(|i| {
-            let mut sums = [0.0; 5];
-            kernels[0].each(i % w, w, wrap, |x, d, k| {
-                let j = i - i % w + x;
-                let k = k * weight(j);
-                let v = value(j);
-                sums = [sums[0] + k, sums[1] + k * d, sums[2] + k * d * d, sums[3] + k * v, sums[4] + k * d * v];
-            });
-            sums
-        })
-        .collect();
-    (0..w * h)
-        .into_par_iter()
-        .map(|i| {
-            let (mut moments, mut right) = (DMat3::ZERO, DVec3::ZERO);
-            kernels[1].each(i / w, h, wrap, |y, d, k| {
-                let [one, x, xx, v, xv] = rows[y * w + i % w].map(|s| s * k);
-                moments += DMat3::from_cols_array(&[one, x, one * d, x, xx, x * d, one * d, x * d, one * d * d]);
-                right += DVec3::new(v, xv, v * d);
-            });
-            let whole = moments.x_axis.x;
-            if !(whole > 0.0) {
-                return 0.0;
-            }
-            moments.y_axis.y += LEVEL * whole;
-            moments.z_axis.z += LEVEL * whole;
-            (moments.inverse() * right).x as f32
-        })
-        .collect()
-}
-
-/// A Gaussian window along one side.
-struct Kernel(Vec<f64>);
-
-impl Kernel {
-    fn new(side: usize) -> Self {
-        let sigma = WINDOW * side as f64;
-        Self((0..=(END * sigma).ceil() as usize).map(|d| (-0.5 * (d as f64 / sigma).powi(2)).exp()).collect())
-    }
-
-    /// Names the places within the window around one, how far they lie from it, and their weight.
-    fn each(&self, at: usize, side: usize, wrap: Wrap, mut place: impl FnMut(usize, f64, f64)) {
-        let reach = self.0.len() as i64 - 1;
-        for d in -reach..=reach {
-            let x = at as i64 + d;
-            let x = match wrap {
-                Wrap::Repeat => x.rem_euclid(side as i64),
-                Wrap::Clamp if (0..side as i64).contains(&x) => x,
-                Wrap::Clamp => continue,
-            };
-            place(x as usize, d as f64, self.0[d.unsigned_abs() as usize]);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::MipChain;
+    use super::super::{Image, MipChain, Wrap};
     use super::*;
     use crate::random::Random;
+    use glam::Vec2;
 
     /// Noise under a light.
     fn lit(size: [u32; 2], light: impl Fn(Vec2) -> f32) -> (Exemplar, Image) {

@@ -5,6 +5,7 @@
 pub mod auto;
 mod collapse;
 mod coverage_mask;
+mod detail;
 pub mod distance;
 mod equalize;
 pub mod extend;
@@ -14,6 +15,7 @@ pub mod image;
 pub mod mask;
 pub mod outline;
 pub mod patch;
+mod slow;
 pub mod snap;
 mod splotch;
 pub mod srgb;
@@ -22,6 +24,7 @@ pub mod symmetry;
 mod untangle;
 
 pub use coverage_mask::ERODED_RADII;
+pub use detail::{DETAIL, Slowly, take_detail};
 pub use equalize::{Evened, equalize};
 pub use frames::{Frames, FramesBy};
 pub use hull::Hull;

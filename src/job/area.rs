@@ -5,6 +5,7 @@
 //! falls off over a distance along the surface, outside of them. Colours and masks are as soft as they are painted, and as
 //! fine as the faces: they are read at the corners.
 
+use super::base::hex_color;
 use crate::exemplar::Image;
 use crate::format::{FaceGroup, Model};
 use crate::mesh::geodesic::Geodesic;
@@ -270,10 +271,7 @@ impl FromStr for Where {
             }
             "color" => {
                 let (hex, tolerance) = value.split_once('~').unwrap_or((value, ""));
-                let hex = hex.strip_prefix('#').unwrap_or(hex);
-                let number = u32::from_str_radix(hex, 16).ok().filter(|_| hex.len() == 6).ok_or_else(wrong)?;
-                let byte = |shift: u32| (number >> shift & 255) as f32 / 255.0;
-                let color = Vec3::new(byte(16), byte(8), byte(0));
+                let color = hex_color(hex).ok_or_else(wrong)?;
                 let tolerance = if tolerance.is_empty() { TOLERANCE } else { tolerance.parse().map_err(|_| wrong())? };
                 let usable = tolerance > 0.0 && tolerance <= 1.0;
                 usable.then_some(Self::Area(Area::Color { color, tolerance })).ok_or_else(wrong)

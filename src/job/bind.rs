@@ -62,13 +62,15 @@ impl Outgoing {
         pastes.iter().map(outward).collect()
     }
 
-    /// Layers with their weights on the model's faces; 0 where a face was dropped.
+    /// Layers with their weights and bases on the model's faces; 0 where a face was dropped.
     #[must_use]
     pub fn layers(&self, layers: &[Layer]) -> Vec<Layer> {
         let outward = |layer: &Layer| {
             let of = |u: &UserFace| layer.weights.get(u.face as usize).map_or([0.0; 3], |w| u.corners.map(|k| w[k as usize]));
+            let base_of = |u: &UserFace| layer.base.get(u.face as usize).map_or([[0; 3]; 3], |b| u.corners.map(|k| b[k as usize]));
             let weights = if layer.weights.is_empty() { Vec::new() } else { self.faces.iter().map(of).collect() };
-            Layer { weights, ..layer.clone() }
+            let base = if layer.base.is_empty() { Vec::new() } else { self.faces.iter().map(base_of).collect() };
+            Layer { name: layer.name.clone(), pastes: layer.pastes, weights, base }
         };
         layers.iter().map(outward).collect()
     }
@@ -160,6 +162,19 @@ fn add_vertex(model: &mut Model, position: Vec3, corners: [u32; 3], bary: Vec3) 
     index
 }
 
+/// Something at the corners of the model's faces as it is at those of the mesh's; `first` says which of the model's stands for each.
+fn corners_inward<T: Copy + Default>(values: &[[T; 3]], first: &[u32], user_faces: &[UserFace]) -> Vec<[T; 3]> {
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let of = |&user: &u32| {
+        let mut mine = [T::default(); 3];
+        (0..3).for_each(|k| mine[user_faces[user as usize].corners[k] as usize] = values[user as usize][k]);
+        mine
+    };
+    first.iter().map(of).collect()
+}
+
 /// A record's lapped texture on the clean mesh of its model.
 #[derive(Debug, Clone)]
 pub struct Bound {
@@ -207,17 +222,13 @@ impl Bound {
             }
             out
         };
-        let weights_inward = |layer: Layer| {
-            let of = |&user: &u32| {
-                let mut mine = [0.0; 3];
-                (0..3).for_each(|k| mine[user_faces[user as usize].corners[k] as usize] = layer.weights[user as usize][k]);
-                mine
-            };
-            let weights = if layer.weights.is_empty() { Vec::new() } else { first.iter().map(of).collect() };
-            Layer { weights, ..layer }
+        let layer_inward = |layer: Layer| Layer {
+            weights: corners_inward(&layer.weights, &first, &user_faces),
+            base: corners_inward(&layer.base, &first, &user_faces),
+            ..layer
         };
         let LappedTexture { exemplars, patches, pastes, layers } = lapped;
-        let layers = layers.into_iter().map(weights_inward).collect();
+        let layers = layers.into_iter().map(layer_inward).collect();
         let lapped = LappedTexture { exemplars, patches, pastes: pastes.into_iter().map(inward).collect(), layers };
         let field = field.map(|f| TangentField::along(first.iter().map(|&user| f[user as usize]).collect()));
         Ok(Self { mesh, lapped, field, moving, report, user_faces })

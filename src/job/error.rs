@@ -34,6 +34,9 @@ pub enum JobError {
         /// Pixels that would do.
         most: f32,
     },
+    /// A base that the model does not have.
+    #[error("the mesh has no vertex colours for detail to lie over: export it with them, or give --base own or a colour")]
+    NoBase,
     /// The field.
     #[error(transparent)]
     Field(#[from] FieldError),

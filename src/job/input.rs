@@ -1,5 +1,6 @@
 //! What a job is told.
 
+use super::base::Base;
 use crate::exemplar::symmetry::{Symmetry, exemplar_symmetry};
 use crate::exemplar::{Exemplar, PatchOptions, PatchSpec};
 use crate::field::{self, Constraints};
@@ -90,6 +91,9 @@ pub struct PasteJob {
     pub feather: Option<f32>,
     /// How else texture patches are cut; its feather is not used.
     pub patches: PatchOptions,
+    /// Paste the detail of exemplars alone, over this; by [`paste_model`](super::paste_model) and
+    /// [`paste_regions`](super::paste_regions). `None` pastes them as they are.
+    pub base: Option<Base>,
     /// How to paste.
     pub paste: PasteOptions,
     /// Memory the job may take, bytes; one that is estimated to take more is refused. `None` sets no bound.

@@ -8,6 +8,7 @@
 pub mod area;
 pub mod auto;
 pub mod bake;
+mod base;
 pub mod beside;
 pub mod bind;
 pub mod directions;
@@ -28,6 +29,7 @@ pub mod synth;
 
 pub use area::{Area, AreaError, Where};
 pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record, bake_record_sized};
+pub use base::Base;
 pub use beside::{Beside, Synthesis};
 pub use bind::Bound;
 pub use directions::Direction;

@@ -3,9 +3,10 @@
 //! 1. Clean the model into a mesh.
 //! 2. Choose the scale, make the field, and cut the faces that are too large for it near its singularities.
 //! 3. Cut texture patches from each exemplar.
-//! 4. Paste.
+//! 4. Paste; detail alone if it is to lie over a base.
 //! 5. Bring the pastes back onto the model's own faces.
 
+use super::base::{of_mesh, of_vertices, split};
 use super::bind::Outgoing;
 use super::error::JobError;
 use super::guide::{Guided, difficulty, guided};
@@ -18,7 +19,7 @@ use crate::format::{Model, Record};
 use crate::mesh::subdivide::Subdivision;
 use crate::mesh::{Cleaned, Mesh, clean};
 use crate::paste::draft::draft;
-use crate::paste::{Finish, LappedTexture, PasteError, PasteStatistics, Seeding, cover};
+use crate::paste::{Finish, LappedTexture, Layer, PasteError, PasteStatistics, Seeding, cover};
 use crate::progress::Progress;
 use std::time::Instant;
 
@@ -45,14 +46,24 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
     let begin = Instant::now();
     progress.stage("cleaning the mesh", 0);
     let cleaned = clean(&model.positions, &model.faces, &job.clean)?;
+    job.base.map_or(Ok(()), |base| base.check(model))?;
     progress.stage("cutting texture patches", 0);
     let mut warnings = Vec::new();
-    let (exemplars, patches) = cut_patches(inputs, job, &mut warnings)?;
+    let (mut exemplars, patches) = cut_patches(inputs, job, &mut warnings)?;
+    let slow = job.base.map(|base| (base, split(&mut exemplars, &mut warnings)));
     let prepared = begin.elapsed().as_secs_f64();
     let mut laid = lay(&cleaned, exemplars, patches, job, progress)?;
     laid.report.prepare_seconds += prepared;
     warnings.append(&mut laid.report.warnings);
     laid.report.warnings = warnings;
+    if let Some((base, slow)) = slow {
+        progress.stage("smoothing the base", 0);
+        let (mesh, out) = (laid.mesh(&cleaned), Outgoing::new(model, &cleaned, laid.fine.as_ref()));
+        let painted = || of_vertices(&out.model, mesh, &out.faces);
+        let base = of_mesh(base, (mesh, &laid.guide), &laid.lapped, slow, painted);
+        let pastes = laid.lapped.pastes.len() as u32;
+        laid.lapped.layers = vec![Layer { pastes, base, ..Layer::default() }];
+    }
     let record = laid.record(model, &cleaned);
     let mesh = laid.fine.map_or(cleaned.mesh, |f| f.mesh);
     Ok(Pasted { record, mesh, lapped: laid.lapped, guide: laid.guide, report: laid.report })
@@ -111,7 +122,7 @@ impl Laid {
                 pastes: out.pastes(&lapped.pastes),
                 exemplars: lapped.exemplars.clone(),
                 patches: lapped.patches.clone(),
-                layers: Vec::new(),
+                layers: out.layers(&lapped.layers),
             },
             model: out.model,
             source_face: out.source_face,

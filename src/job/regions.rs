@@ -8,6 +8,7 @@
 //! Faces are not cut near singularities here: regions overlap, and would have to agree on the cuts.
 
 use super::area::{Area, AreaError, shows};
+use super::base::{of_mesh, of_vertices, split};
 use super::bind::Outgoing;
 use super::error::JobError;
 use super::estimate::{Estimate, Work};
@@ -20,7 +21,7 @@ use crate::field::{Guide, TangentField};
 use crate::format::{Model, Record};
 use crate::mesh::part::Part;
 use crate::mesh::{CleanOptions, Cleaned, clean};
-use crate::paste::{LappedTexture, Layer, Paste, PasteError, PasteStatistics, paste};
+use crate::paste::{BaseColor, LappedTexture, Layer, Paste, PasteError, PasteStatistics, paste};
 use crate::progress::Progress;
 use std::time::Instant;
 
@@ -110,7 +111,9 @@ impl Stack {
         let weights = area.weights(model, cleaned, border)?;
         let part = Part::new(&cleaned.mesh, |f| weights.as_ref().is_none_or(|w| shows(&w[f as usize])));
         let Part { mesh, faces } = part.ok_or(AreaError::Empty("region"))?;
-        let (exemplars, patches) = cut_patches(inputs, &job, &mut report.warnings)?;
+        job.base.map_or(Ok(()), |base| base.check(model))?;
+        let (mut exemplars, patches) = cut_patches(inputs, &job, &mut report.warnings)?;
+        let slow = job.base.map(|base| (base, split(&mut exemplars, &mut report.warnings)));
         let all = self.lapped.patches.len() + patches.len();
         if all > usize::from(u16::MAX) {
             return Err(PasteError::TooManyPatches(all).into());
@@ -128,6 +131,16 @@ impl Stack {
 
         let count = patches.len();
         let (done, statistics) = paste(&mesh, &guide, exemplars, patches, &difficulty, &keep.paste, progress)?;
+        let base = slow.map_or_else(Vec::new, |(base, slow)| {
+            let painted = || {
+                let all = of_vertices(model, &cleaned.mesh, &cleaned.user_faces);
+                faces.iter().map(|&f| all[f as usize]).collect()
+            };
+            let mine = of_mesh(base, (&mesh, &guide), &done, slow, painted);
+            let mut all = vec![[BaseColor::default(); 3]; cleaned.mesh.face_count()];
+            faces.iter().zip(mine).for_each(|(&face, mine)| all[face as usize] = mine);
+            all
+        });
         let first = [self.lapped.patches.len() as u16, self.lapped.exemplars.len() as u16];
         let moved =
             |p: Paste| Paste { patch: p.patch + first[0], faces: p.faces.iter().map(|&f| faces[f as usize]).collect(), ..p };
@@ -135,6 +148,7 @@ impl Stack {
             name: name.clone(),
             pastes: done.pastes.len() as u32,
             weights: weights.filter(|w| w.iter().any(|w| shows(w) && *w != [1.0; 3])).unwrap_or_default(),
+            base,
         };
         self.lapped.layers.push(layer);
         self.lapped.pastes.extend(done.pastes.into_iter().map(moved));

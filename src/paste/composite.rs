@@ -31,8 +31,8 @@ pub struct Composite<'a> {
     channels: ChannelSet,
     /// One past the last paste of each layer.
     layer_ends: Vec<u32>,
-    /// A paste keeps contrast, so that sums may leave the range of a channel.
-    lifted: bool,
+    /// A paste keeps contrast, or lies over a base, so that sums may leave the range of a channel.
+    clipped: bool,
     /// What patches refer to, as it is at the moment that is shown.
     exemplars: Cow<'a, [Exemplar]>,
     /// Depth of relief shown by parallax, in exemplar widths.
@@ -50,11 +50,13 @@ struct Clear<'a> {
     /// This layer and its weight here.
     layer: usize,
     weight: f32,
+    /// What base colours are multiplied by in this layer.
+    gain: Vec3,
 }
 
 impl<'a> Clear<'a> {
     fn new(composite: &'a Composite<'a>, at: SurfacePoint) -> Self {
-        Self { composite, at, above: 1.0, inside: 1.0, layer: usize::MAX, weight: 1.0 }
+        Self { composite, at, above: 1.0, inside: 1.0, layer: usize::MAX, weight: 1.0, gain: Vec3::ONE }
     }
 
     /// The share of a point that a paste gets if it is opaque.
@@ -66,7 +68,9 @@ impl<'a> Clear<'a> {
                 self.above = self.rest();
                 self.inside = 1.0;
                 self.layer = layer;
-                self.weight = self.composite.lapped.layers.get(layer).map_or(1.0, |l| l.weight(self.at));
+                let found = self.composite.lapped.layers.get(layer);
+                self.weight = found.map_or(1.0, |l| l.weight(self.at));
+                self.gain = found.map_or(Vec3::ONE, |l| l.gain(self.at));
             }
         }
         self.above * self.weight * self.inside
@@ -99,8 +103,9 @@ impl<'a> Composite<'a> {
             Some(*end)
         };
         let layer_ends = lapped.layers.iter().scan(0, ends).collect();
-        let lifted = lapped.pastes.iter().any(|p| p.agreement != AGREES);
-        Self { mesh, lapped, lists, channels, layer_ends, lifted, exemplars: Cow::Borrowed(&lapped.exemplars), parallax: 0.0 }
+        let clipped =
+            lapped.pastes.iter().any(|p| p.agreement != AGREES) || lapped.layers.iter().any(|layer| !layer.base.is_empty());
+        Self { mesh, lapped, lists, channels, layer_ends, clipped, exemplars: Cow::Borrowed(&lapped.exemplars), parallax: 0.0 }
     }
 
     /// Shows the relief of exemplars with a height by parallax, so deep at most, in exemplar widths; 0 shows none.
@@ -137,11 +142,11 @@ impl<'a> Composite<'a> {
         1.0 - clear.rest()
     }
 
-    /// Adds what one paste shows; returns its alpha.
+    /// Adds what one paste shows, its base colour times `gain`; returns its alpha.
     fn add(
         &self,
         texel: &mut Texel,
-        weight: f32,
+        (weight, gain): (f32, Vec3),
         (paste, slot): (u32, u32),
         ground: &Ground,
         at: SurfacePoint,
@@ -181,7 +186,7 @@ impl<'a> Composite<'a> {
             Some(if part > 0.0 { shown.lerp(read_of(high, channel)?, part) } else { shown })
         };
         if let Some(v) = read(Channel::BaseColor) {
-            texel.base_color += share * v;
+            texel.base_color += share * gain * v;
         }
         texel.normal += share * read(Channel::Normal).map_or(ground.normal, |n| image.to_mesh(ground, n));
         texel.height += share * read(Channel::Height).map_or(NEUTRAL.height, |v| v.x);
@@ -335,7 +340,7 @@ impl Composite<'_> {
         for &entry in self.lists.of(at.face).iter().rev() {
             let share = clear.share(entry.0);
             if share >= NOTHING_SHOWN {
-                clear.take(self.add(&mut sum, share, entry, ground, at, footprint));
+                clear.take(self.add(&mut sum, (share, clear.gain), entry, ground, at, footprint));
             }
             if clear.rest() < NOTHING_LEFT {
                 break;
@@ -347,8 +352,8 @@ impl Composite<'_> {
             return Texel::empty(normal);
         }
         let part = 1.0 / total;
-        let one = |sum: f32| if self.lifted { (sum * part).clamp(0.0, 1.0) } else { sum * part };
-        let three = |sum: Vec3| if self.lifted { (sum * part).clamp(Vec3::ZERO, Vec3::ONE) } else { sum * part };
+        let one = |sum: f32| if self.clipped { (sum * part).clamp(0.0, 1.0) } else { sum * part };
+        let three = |sum: Vec3| if self.clipped { (sum * part).clamp(Vec3::ZERO, Vec3::ONE) } else { sum * part };
         Texel {
             base_color: three(sum.base_color),
             alpha: if clear < NOTHING_LEFT { 1.0 } else { total },

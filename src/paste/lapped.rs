@@ -2,7 +2,7 @@
 
 use super::cut::Cut;
 use super::turn::Turn;
-use crate::exemplar::{Exemplar, TexturePatch};
+use crate::exemplar::{DETAIL, Exemplar, TexturePatch};
 use crate::mesh::SurfacePoint;
 use glam::{Vec2, Vec3};
 
@@ -54,6 +54,18 @@ pub struct Layer {
     pub pastes: u32,
     /// Per face, the weight at its three corners, 0 to 1, linear between them. Empty: 1 everywhere.
     pub weights: Vec<[f32; 3]>,
+    /// Per face, the colour at its three corners that its pastes are the detail of ([`DETAIL`]): linear light, 65535 is 1, linear between
+    /// corners. Empty: they bring their own.
+    pub base: Vec<[BaseColor; 3]>,
+}
+
+/// Red, green and blue of a base in 16 bits each, linear light.
+pub type BaseColor = [u16; 3];
+
+/// A colour, linear, as one of a base; what is beyond 0 and 1 is clipped.
+#[must_use]
+pub fn base_color(color: Vec3) -> BaseColor {
+    color.to_array().map(|c| (c.clamp(0.0, 1.0) * f32::from(u16::MAX)).round() as u16)
 }
 
 impl Layer {
@@ -62,6 +74,14 @@ impl Layer {
     #[must_use]
     pub fn weight(&self, at: SurfacePoint) -> f32 {
         self.weights.get(at.face as usize).map_or(1.0, |w| Vec3::from(*w).dot(at.bary).clamp(0.0, 1.0))
+    }
+
+    /// What the base colour of its pastes is multiplied by at a point: the base over [`DETAIL`]; 1 without one.
+    #[inline]
+    #[must_use]
+    pub fn gain(&self, at: SurfacePoint) -> Vec3 {
+        let own = |corner: &BaseColor| Vec3::from(corner.map(f32::from)) / (f32::from(u16::MAX) * DETAIL);
+        self.base.get(at.face as usize).map_or(Vec3::ONE, |c| (0..3).map(|k| own(&c[k]) * at.bary[k]).sum())
     }
 }
 

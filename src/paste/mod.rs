@@ -10,6 +10,7 @@
 //! [`LappedTexture`]; [`Composite`] shows it. [`draft`](mod@draft) shows at once what a change will bring.
 
 pub mod audit;
+mod base;
 pub mod composite;
 pub mod composite_backend;
 pub mod contrast;
@@ -41,6 +42,7 @@ pub mod watch;
 mod ways;
 pub mod window;
 
+pub use base::own_base;
 pub use composite::Composite;
 pub use composite_backend::{CompositeBackend, Compositing};
 pub use coverage_backend::{Coverage, CoverageBackend};
@@ -49,7 +51,7 @@ pub use error::PasteError;
 pub use figures::{PasteStatistics, StageSeconds};
 pub use fit::{IsotropicFit, Weights};
 pub use grow::{Predictor, Stops};
-pub use lapped::{AGREES, FaceLists, LappedTexture, Layer, Paste};
+pub use lapped::{AGREES, BaseColor, FaceLists, LappedTexture, Layer, Paste, base_color};
 pub use layout::Seeding;
 pub use options::{DISTORTION_DIRECTED, DISTORTION_ISOTROPIC, Finish, PasteOptions};
 pub use seam::{ContrastStatistics, CutStatistics};

@@ -11,7 +11,7 @@ use crate::exemplar::{Channel, Exemplar, Hull, Image, MipChain, TexturePatch};
 use crate::field::turning_points;
 use crate::job::bake::default_size;
 use crate::mesh::{Mesh, MeshError};
-use crate::paste::{AGREES, Composite, LappedTexture, Paste, Turn};
+use crate::paste::{AGREES, Composite, LappedTexture, Layer, Paste, Turn};
 use crate::progress::Progress;
 use crate::render::gpu::{GpuError, Renderer, Subject};
 use crate::render::style::{Legend, corner_colours, distinct};
@@ -277,7 +277,7 @@ fn in_colours(lapped: &LappedTexture) -> LappedTexture {
         exemplars: (0..colours).map(exemplar).collect(),
         patches: (0..colours).flat_map(recoloured).collect(),
         pastes: lapped.pastes.iter().enumerate().map(paste).collect(),
-        layers: lapped.layers.clone(),
+        layers: lapped.layers.iter().map(|layer| Layer { base: Vec::new(), ..layer.clone() }).collect(),
     }
 }
 

@@ -92,7 +92,12 @@ fn record() -> Vec<u8> {
         exemplars: vec![Exemplar::new("e", Image::from_fn(4, 4, |_, _| Vec3::ONE))],
         patches: vec![patch],
         pastes: vec![paste.clone(), paste],
-        layers: vec![Layer { name: "l".into(), pastes: 2, weights: vec![[0.0, 0.5, 1.0]; record.model.faces.len()] }],
+        layers: vec![Layer {
+            name: "l".into(),
+            pastes: 2,
+            weights: vec![[0.0, 0.5, 1.0]; record.model.faces.len()],
+            base: vec![[[9, 0, u16::MAX]; 3]; record.model.faces.len()],
+        }],
     };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("r.glb");

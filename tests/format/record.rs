@@ -97,8 +97,10 @@ fn full_record() -> Record {
             }
         })
         .collect();
-    let upper = Layer { name: "upper".into(), pastes: pastes.len() as u32 - 1, weights: vec![[0.25, 1.0, 0.0]; faces] };
-    let layers = vec![Layer { name: "lower".into(), pastes: 1, weights: Vec::new() }, upper];
+    let upper =
+        Layer { name: "upper".into(), pastes: pastes.len() as u32 - 1, weights: vec![[0.25, 1.0, 0.0]; faces], ..Layer::default() };
+    let base = (0..faces as u16).map(|f| [[f, 1, 2], [3, u16::MAX, 5], [6, 7, 8]]).collect();
+    let layers = vec![Layer { name: "lower".into(), pastes: 1, base, ..Layer::default() }, upper];
     Record {
         field: Some((0..faces).map(|f| Vec3::new(0.3, f as f32, -1.0)).collect()),
         source_face: Some((0..faces as u32).map(|f| f / 4).collect()),

@@ -12,7 +12,7 @@ use lapped::exemplar::stack::resized;
 use lapped::exemplar::{Channel, ChannelSet, Exemplar, FramesBy, Image, TexturePatch};
 use lapped::job::{ExemplarInput, PasteJob, Scale, paste_model};
 use lapped::mesh::{Mesh, SurfacePoint};
-use lapped::paste::{Composite, LappedTexture, Paste, TURNS, Turn};
+use lapped::paste::{Composite, LappedTexture, Layer, Paste, TURNS, Turn, base_color};
 use lapped::progress::Silent;
 use lapped::render::gpu::{Filter, Forward, GpuError, Path, Renderer, RendererOptions};
 use lapped::render::{Background, DrawOptions, Grid, Picture, Stage, View, Visibility};
@@ -179,7 +179,7 @@ fn every_channel_of_a_material_is_drawn_alike_and_translucent_ones_in_exact_orde
 
 #[test]
 #[ignore = "needs graphics adapters, software will do: cargo test --test gpu -- --include-ignored"]
-fn layers_mixed_by_weights_look_the_same_in_all_modes() {
+fn layers_mixed_by_weights_and_over_bases_look_the_same_in_all_modes() {
     let [below, above] = ["stone", "rust"].map(|name| pasted("vase", &[name], 30.0, false));
     assert_eq!(below.mesh.faces, above.mesh.faces, "on the same faces");
     let mesh = &below.mesh;
@@ -193,7 +193,7 @@ fn layers_mixed_by_weights_look_the_same_in_all_modes() {
     };
     let by = |k: f32| mesh.faces.iter().map(|f| f.each_ref().map(wave(k))).collect::<Vec<_>>();
     let mut lapped = below.lapped.clone();
-    let layer = |pastes: &[Paste], weights| lapped::paste::Layer { name: String::new(), pastes: pastes.len() as u32, weights };
+    let layer = |pastes: &[Paste], weights| Layer { pastes: pastes.len() as u32, weights, ..Layer::default() };
     lapped.layers = vec![
         layer(&below.lapped.pastes, Vec::new()),
         layer(&above.lapped.pastes, by(7.0)),
@@ -211,6 +211,16 @@ fn layers_mixed_by_weights_look_the_same_in_all_modes() {
     let mixed = reference(&stage, &lapped, &camera, grid);
     let plain = reference(&stage, &below.lapped, &camera, grid);
     assert!(compare(mesh, &camera, grid, &mixed, &plain).inside > 3.0, "the upper layers show");
+
+    // Dark where a weight is low, and beyond 1 where it is high.
+    let hue = |w: f32| base_color(Vec3::new(0.05, 0.25, 0.9) * w + Vec3::new(0.1, 0.0, 0.05));
+    lapped.layers[0].base = by(5.0).iter().map(|corners| corners.map(hue)).collect();
+    lapped.layers[2].base = vec![[base_color(Vec3::new(0.6, 0.3, 0.1)); 3]; mesh.face_count()];
+    let based = reference(&stage, &lapped, &camera, grid);
+    assert!(compare(mesh, &camera, grid, &mixed, &based).inside > 3.0, "bases are seen");
+    agree("three layers over two bases", mesh, &lapped, &options, "three-quarter", grid);
+    lapped.layers = vec![Layer { pastes: lapped.pastes.len() as u32, base: lapped.layers[0].base.clone(), ..Layer::default() }];
+    agree("one base", mesh, &lapped, &options, "three-quarter", grid);
 }
 
 /// Some faces in colours of their own, the others as they are pasted.

@@ -11,7 +11,7 @@ use glam::Vec3;
 use lapped::atlas::{Atlas, AtlasError, BakeOptions, Baked, Frames, UnwrapOptions, bake, unwrap};
 use lapped::exemplar::{Channel, Exemplar, Image, srgb};
 use lapped::job::{BakeJob, Bound, Pasted, bake_record};
-use lapped::paste::{CompositeBackend, Compositing, LappedTexture, Layer};
+use lapped::paste::{CompositeBackend, Compositing, LappedTexture, Layer, base_color};
 use lapped::progress::Silent;
 use lapped::render::gpu::{Gpu, GpuComposite};
 use lapped::render::normals::corner_normals;
@@ -42,8 +42,10 @@ fn mixed() -> Pasted {
     let (low, high) = done.mesh.bounds();
     let weight = |v: u32| (1.5 * (done.mesh.positions[v as usize].x - low.x) / (high.x - low.x)).clamp(0.2, 1.0);
     let weights = done.mesh.faces.iter().map(|f| f.map(weight)).collect();
-    let layer = |pastes: usize, weights| Layer { name: String::new(), pastes: pastes as u32, weights };
+    let layer = |pastes: usize, weights| Layer { pastes: pastes as u32, weights, ..Layer::default() };
     done.lapped.layers = vec![layer(below, Vec::new()), layer(done.lapped.pastes.len() - below, weights)];
+    let hue = |k: usize| base_color(Vec3::new(0.1, 0.3, 0.6) * (0.4 + 0.2 * k as f32));
+    done.lapped.layers[0].base = vec![[hue(0), hue(1), hue(2)]; done.mesh.face_count()];
     done
 }
 

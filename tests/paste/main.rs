@@ -1,5 +1,6 @@
 //! Pasting as a whole: what a job promises, on meshes and exemplars as they are.
 
+mod base;
 #[path = "../common/mod.rs"]
 mod common;
 mod contrast;

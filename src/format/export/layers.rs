@@ -7,7 +7,7 @@
 //! every renderer draws in order.
 //!
 //! All channels that glTF materials know travel along, each layer lit by itself before it is blended; normal maps have tangents
-//! along their own image. Lost on the way: heights and opacity (the alpha is the mask's), the soft weights of regions, and the exact
+//! along their own image. Detail over a base has the base as vertex colours, which go beyond 1 where it is lighter than a quarter. Lost on the way: heights and opacity (the alpha is the mask's), the soft weights of regions, and the exact
 //! mip levels of masks. With several exemplars the order of primitives is kept in the file, but renderers that sort translucent
 //! primitives by distance may draw them in another.
 
@@ -16,7 +16,8 @@ use crate::format::gltf::build::{Builder, INDICES, Shape, U32, VERTICES};
 use crate::format::gltf::scene_out::{add_material, add_scene};
 use crate::format::look::Look;
 use crate::format::{FormatError, Record};
-use crate::paste::{Cut, LappedTexture, Paste, Turn};
+use crate::mesh::SurfacePoint;
+use crate::paste::{BaseColor, Cut, LappedTexture, Layer as SoftLayer, Paste, Turn};
 use glam::{Vec2, Vec3, Vec4};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -64,12 +65,19 @@ pub fn write_layers(path: &Path, record: &Record) -> Result<LayersReport, Format
     }
     report.materials = materials.len();
     let exemplar_of = |paste: &Paste| lapped.patches[paste.patch as usize].exemplar;
+    // Where a layer has a base, its pastes show their detail of it: vertex colours multiply what is seen.
+    let of_layers = lapped.layers.iter().flat_map(|layer| std::iter::repeat_n(layer, layer.pastes as usize));
+    let based = lapped.layers.iter().any(|layer| !layer.base.is_empty());
+    let over: Vec<Option<&SoftLayer>> = of_layers.map(Some).chain(std::iter::repeat(None)).take(lapped.pastes.len()).collect();
+    let mut begin = 0;
     let primitives: Vec<Value> = lapped
         .pastes
         .chunk_by(|a, b| exemplar_of(a) == exemplar_of(b))
         .filter_map(|run| {
             let exemplar = usize::from(exemplar_of(run.first()?));
-            let layer = Layer::new(record, run, &sheets[exemplar]);
+            let over = &over[begin..begin + run.len()];
+            begin += run.len();
+            let layer = Layer::new(record, run, over, based, &sheets[exemplar]);
             report.primitives += 1;
             report.triangles += layer.indices.len() / 3;
             report.vertices += layer.positions.len();
@@ -244,16 +252,19 @@ struct Layer {
     uv: Vec<Vec2>,
     /// Direction in which the image goes right, and the sign of the one in which it goes up.
     tangents: Vec<Vec4>,
+    /// What the image's colours are multiplied by, if any layer has a base; up to 1 over [`DETAIL`](crate::exemplar::DETAIL).
+    colors: Vec<Vec3>,
     indices: Vec<u32>,
 }
 
 impl Layer {
-    fn new(record: &Record, run: &[Paste], sheet: &Sheet) -> Self {
+    /// `over` has the layer of each paste.
+    fn new(record: &Record, run: &[Paste], over: &[Option<&SoftLayer>], based: bool, sheet: &Sheet) -> Self {
         let model = &record.model;
         let mut out = Self::default();
-        for paste in run {
-            // Within a paste corners at one vertex and one place are one.
-            let mut made: BTreeMap<(u32, [u32; 2]), u32> = BTreeMap::new();
+        for (paste, over) in run.iter().zip(over) {
+            // Within a paste corners at one vertex, one place and of one colour are one.
+            let mut made: BTreeMap<(u32, [u32; 2], BaseColor), u32> = BTreeMap::new();
             for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
                 if beyond(uv) {
                     continue;
@@ -261,12 +272,18 @@ impl Layer {
                 let corners = model.faces[face as usize];
                 let right = right(corners.map(|v| model.positions[v as usize]), uv);
                 for (k, &vertex) in corners.iter().enumerate() {
-                    let key = (vertex, uv[k].to_array().map(f32::to_bits));
+                    let base = over.and_then(|layer| layer.base.get(face as usize)).map_or_else(BaseColor::default, |b| b[k]);
+                    let key = (vertex, uv[k].to_array().map(f32::to_bits), base);
                     let index = *made.entry(key).or_insert_with(|| {
                         out.positions.push(model.positions[vertex as usize]);
                         out.normals.extend(model.normals.as_ref().map(|n| n[vertex as usize]));
                         out.uv.push(sheet.place(&record.lapped, paste, uv[k]));
                         out.tangents.push(Vec4::ZERO);
+                        if based {
+                            let mut bary = Vec3::ZERO;
+                            bary[k] = 1.0;
+                            out.colors.push(over.map_or(Vec3::ONE, |layer| layer.gain(SurfacePoint { face, bary })));
+                        }
                         out.positions.len() as u32 - 1
                     });
                     out.tangents[index as usize] += right;
@@ -283,7 +300,7 @@ impl Layer {
 
     /// Adds the primitive to the tables; tangents only where there is a normal map.
     fn add(self, tables: &mut Builder<'_>, material: usize, normal_map: bool) -> Option<Value> {
-        let Self { positions, normals, uv, tangents, indices } = self;
+        let Self { positions, normals, uv, tangents, colors, indices } = self;
         if indices.is_empty() {
             return None;
         }
@@ -301,6 +318,9 @@ impl Layer {
             }
         }
         attributes["TEXCOORD_0"] = tables.vectors(Some(VERTICES), count, move |k| uv[k].to_array())?.into();
+        if let Some(colors) = tables.vectors(Some(VERTICES), colors.len(), move |k| colors[k].to_array()) {
+            attributes["COLOR_0"] = colors.into();
+        }
         let shape = Shape { name: "SCALAR", component: U32, target: Some(INDICES) };
         let indices =
             tables.accessor(shape, indices.len(), move |out| indices.iter().try_for_each(|i| out.write_all(&i.to_le_bytes())))?;

@@ -103,6 +103,9 @@ fn check_lapped(lapped: &LappedTexture, faces: usize) -> Result<(), (String, Str
         if ![0, faces].contains(&layer.weights.len()) {
             return fail(format!("it has weights for {} faces, not for {faces}", layer.weights.len()));
         }
+        if ![0, faces].contains(&layer.base.len()) {
+            return fail(format!("it has a base for {} faces, not for {faces}", layer.base.len()));
+        }
         if layer.weights.as_flattened().iter().any(|w| !(0.0..=1.0).contains(w)) {
             return fail("a weight is not between 0 and 1".into());
         }

@@ -12,7 +12,7 @@ use crate::format::model::{FaceGroup, Model, Source};
 use crate::format::picture::{MOST_PIXELS, Transfer, decode, too_large};
 use crate::format::{FormatError, read_file};
 use crate::paste::cut::CUT_STEPS;
-use crate::paste::{AGREES, Cut, LappedTexture, Layer, Paste, Turn};
+use crate::paste::{AGREES, BaseColor, Cut, LappedTexture, Layer, Paste, Turn};
 use glam::{Vec2, Vec3, Vec4};
 use image::ImageFormat;
 use serde::Deserialize;
@@ -75,6 +75,7 @@ struct LayerEntry {
     name: String,
     pastes: u32,
     weight: Option<usize>,
+    base: Option<usize>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -308,7 +309,21 @@ fn read_layer(data: &Data<'_>, entry: LayerEntry) -> Result<Layer, Problem> {
     if !rest.is_empty() {
         return Err(Problem::damaged("layers", "a layer's weights are not three a face"));
     }
-    Ok(Layer { name: entry.name, pastes: entry.pastes, weights: corners.to_vec() })
+    let base = entry.base.map_or(Ok(Vec::new()), |a| data.indices(a))?;
+    let (faces, rest) = base.as_chunks::<9>();
+    let colour = |k: u32| u16::try_from(k).map_err(|_| Problem::damaged("layers", "a layer's base is not of 16 bits"));
+    if !rest.is_empty() {
+        return Err(Problem::damaged("layers", "a layer's base is not nine numbers a face"));
+    }
+    let of_face = |face: &[u32; 9]| -> Result<[BaseColor; 3], Problem> {
+        let mut corners = [[0; 3]; 3];
+        for (to, &from) in corners.as_flattened_mut().iter_mut().zip(face) {
+            *to = colour(from)?;
+        }
+        Ok(corners)
+    };
+    let base = faces.iter().map(of_face).collect::<Result<_, _>>()?;
+    Ok(Layer { name: entry.name, pastes: entry.pastes, weights: corners.to_vec(), base })
 }
 
 /// A cut, unless it leaves the mask whole.

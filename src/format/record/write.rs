@@ -113,6 +113,12 @@ impl<'a> Tables<'a> {
             if let Some(accessor) = accessor {
                 value["weight"] = accessor.into();
             }
+            let base = layer.base.as_flattened().as_flattened();
+            let shape = Shape { name: "SCALAR", component: U16, target: None };
+            let accessor = self.0.accessor(shape, base.len(), |out| base.iter().try_for_each(|c| out.write_all(&c.to_le_bytes())));
+            if let Some(accessor) = accessor {
+                value["base"] = accessor.into();
+            }
             list.push(value);
         }
         list.into()

@@ -3,8 +3,8 @@
 //! A page is a run of faces whose lists fit one binding; a mesh with few pastes has one. Which paste lies over which matters
 //! only among those on the same face, so pages can be drawn one after another, in both ways of drawing.
 //!
-//! Where layers are mixed by weights, a marker stands on top of each layer's pastes on a face: an entry without a paste, with
-//! the layer's weights at the face's corners in place of texture coordinates. Where faces have colours of their own, these stand
+//! Where layers are mixed by weights or have bases, a marker stands on top of each layer's pastes on a face: an entry without a paste,
+//! with the layer's weights and base at the face's corners in place of texture coordinates. Where faces have colours of their own, these stand
 //! on top of everything, in entries without a paste as well.
 
 use super::context::Gpu;
@@ -30,7 +30,7 @@ const MARKER: u32 = u32::MAX;
 /// What stands for the paste where a face has colours of its own.
 const TINT: u32 = u32::MAX - 1;
 
-/// The layers of a lapped texture, if any are mixed by weights.
+/// The layers of a lapped texture, if any are mixed by weights or have bases.
 struct Soft<'a> {
     layers: &'a [Layer],
     /// One past the last paste of each.
@@ -43,7 +43,7 @@ impl<'a> Soft<'a> {
             *end += layer.pastes;
             Some(*end)
         };
-        let soft = layers.iter().any(|layer| !layer.weights.is_empty());
+        let soft = layers.iter().any(|layer| !(layer.weights.is_empty() && layer.base.is_empty()));
         soft.then(|| Self { layers, ends: layers.iter().scan(0, add).collect() })
     }
 
@@ -57,9 +57,12 @@ impl<'a> Soft<'a> {
     }
 
     fn marker(&self, face: u32, paste: u32) -> [u32; ENTRY_WORDS] {
-        let weights = self.layers.get(self.layer(paste)).and_then(|l| l.weights.get(face as usize)).copied().unwrap_or([1.0; 3]);
-        let [a, b, c] = weights.map(f32::to_bits);
-        [MARKER, 0, a, b, c, 0, 0, 0]
+        let layer = self.layers.get(self.layer(paste));
+        let weights = layer.and_then(|l| l.weights.get(face as usize)).copied().unwrap_or([1.0; 3]);
+        let base = layer.and_then(|l| l.base.get(face as usize));
+        let [a, b, c] = weights.map(|w| (w.clamp(0.0, 1.0) * 65535.0).round() as u32);
+        let [[d, e, f], [g, h, i], [j, k, l]] = base.copied().unwrap_or_default().map(|corner| corner.map(u32::from));
+        [MARKER, u32::from(base.is_some()), a | b << 16, c | d << 16, e | f << 16, g | h << 16, i | j << 16, k | l << 16]
     }
 }
 
