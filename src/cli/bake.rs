@@ -3,6 +3,7 @@
 use super::bar::Bar;
 use super::{Common, picture, report};
 use crate::atlas::{Atlas, AtlasError, BakeOptions, ChartMethod, UnwrapOptions};
+use crate::exemplar::{Exemplar, Frames, FramesBy};
 use crate::format::export::{Export, Kind, write_layers, write_look, write_mips};
 use crate::format::{Model, Record, check_output, read_record, save_image, write_record};
 use crate::job::bake::{chart_colors, default_samples, default_size, page_view, with_normals};
@@ -28,7 +29,8 @@ Examples:
   lapped bake wall.glb -o relief.glb --displace 0.05            the relief as geometry
   lapped bake bunny.glb -o b.glb --show-charts c.png --show-uv uv.png
   lapped bake bunny.glb -o layers.glb --layers                  the pastes themselves, for any engine
-  lapped bake spot.glb -o spot-baked.glb --uv keep              into the model's own coordinates")]
+  lapped bake spot.glb -o spot-baked.glb --uv keep              into the model's own coordinates
+  lapped bake lava.glb -o lava-1.obj --time 1                   a moment of an exemplar that changes")]
 pub struct BakeArgs {
     /// A record (GLB written by `lapped paste`)
     #[arg(value_name = "MODEL.glb")]
@@ -57,6 +59,9 @@ pub struct BakeArgs {
     /// Leave the pastes out of the GLB: smaller, but our own tools see a plain textured model
     #[arg(long)]
     pub no_record: bool,
+    /// Bake exemplars that change with time as they are so many seconds after their first frame
+    #[arg(long, value_name = "SECONDS", value_parser = super::render::seconds, allow_hyphen_values = true, default_value_t = 0.0)]
+    pub time: f64,
     /// See [`Common`].
     #[command(flatten)]
     pub common: Common,
@@ -228,12 +233,13 @@ pub fn run(args: &BakeArgs) -> anyhow::Result<()> {
         .try_for_each(|p| check_output(p))?;
     let bar = Bar::new(args.common.quiet);
     let record = read_record(&args.model)?;
-    tell_first_frame(&record, &args.common);
+    tell_stills(&record, &args.common);
     if args.layers {
         return layers(args, kind, record, begin);
     }
     let name = || args.model.display().to_string();
-    let bound = Bound::new(record.clone()).with_context(name)?;
+    let mut bound = Bound::new(record.clone()).with_context(name)?;
+    at_time(&mut bound.lapped.exemplars, args.time);
     let (record, atlas, report) = match args.displace {
         Some(height) => displaced(args, &record, &bound, height, &bar).with_context(name)?,
         None => baked(&record, &bound, &args.atlas, &args.common, &bar).with_context(name)?,
@@ -326,10 +332,21 @@ fn displaced(
     Ok((Record { model, look: Some(look), generator: record.generator.clone(), ..Record::default() }, atlas, report))
 }
 
+/// Exemplars that change with time, as they are at one.
+fn at_time(exemplars: &mut [Exemplar], seconds: f64) {
+    let moving = |e: &&mut Exemplar| e.frames().is_some_and(|frames| frames.by() == FramesBy::Time);
+    exemplars.iter_mut().filter(moving).for_each(|e| *e = e.at(seconds));
+}
+
 /// Tells that what is baked stands still.
-fn tell_first_frame(record: &Record, common: &Common) {
-    for exemplar in record.lapped.exemplars.iter().filter(|e| e.frames().is_some()) {
-        common.warn(&format!("exemplar {}: its frames cannot be baked, so the baked texture shows the first alone", exemplar.name));
+pub(super) fn tell_stills(record: &Record, common: &Common) {
+    for exemplar in &record.lapped.exemplars {
+        let shown = match exemplar.frames().map(Frames::by) {
+            None => continue,
+            Some(FramesBy::Time) => "one moment: choose it with `lapped bake --time SECONDS`",
+            Some(FramesBy::View | FramesBy::Light) => "the first alone",
+        };
+        common.warn(&format!("exemplar {}: its frames cannot be baked, so the baked texture shows {shown}", exemplar.name));
     }
 }
 
@@ -339,6 +356,7 @@ fn layers(args: &BakeArgs, kind: Kind, mut record: Record, begin: Instant) -> an
         bail!("{}: layers are written as .glb: give the name this ending", args.output.display());
     }
     record.model = with_normals(&record.model)?;
+    at_time(&mut record.lapped.exemplars, args.time);
     let report = write_layers(&args.output, &record)?;
     if record.lapped.exemplars.len() > 1 {
         args.common.warn(

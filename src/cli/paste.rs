@@ -1,6 +1,6 @@
 //! `lapped paste`: a mesh and exemplars in, a record with pastes out.
 
-use super::bake::{AtlasArgs, baked, in_words};
+use super::bake::{AtlasArgs, baked, in_words, tell_stills};
 use super::bar::Bar;
 use super::job_file::{self, JobRegion};
 use super::picture::{self, Size};
@@ -239,6 +239,7 @@ pub fn run(args: &PasteArgs) -> anyhow::Result<()> {
     if !args.no_bake {
         let name = || args.mesh.display().to_string();
         let record = std::mem::take(&mut pasted.record);
+        tell_stills(&record, &args.common);
         let bound = Bound::new(record.clone()).with_context(name)?;
         let (record, _, report) = baked(&record, &bound, &args.atlas, &args.common, &bar).with_context(name)?;
         bar.finish();

@@ -314,7 +314,7 @@ fn depth(text: &str) -> Result<f32, String> {
 }
 
 /// Seconds into an animation.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(super) fn seconds(text: &str) -> Result<f64, String> {
     let time = text.parse::<f64>().ok().filter(|t| *t >= 0.0 && t.is_finite());
     time.ok_or_else(|| "give seconds from the animation's begin, 0 or more".to_owned())
 }

@@ -134,7 +134,16 @@ fn an_exemplar_that_changes_is_pasted_drawn_at_a_moment_and_played() {
         assert!(found.contains(words), "{found}");
     }
     let said = told(&place, &["bake", "out/b.glb", "-o", "out/baked.glb", "--size", "64"], 0);
+    assert!(said.contains("one moment") && said.contains("--time"), "{said}");
+    let said = told(&place, &["bake", "out/v.glb", "-o", "out/baked.glb", "--size", "64"], 0);
     assert!(said.contains("shows the first alone"), "{said}");
+    for (time, is_red) in [("0", true), ("0.2", false)] {
+        let args = ["bake", "out/b.glb", "-o", "out/still.obj", "--size", "64", "--time", time, "--quiet"];
+        assert!(place.run(&args).status.success());
+        let map = place.files("out").into_iter().find(|f| f.starts_with("still") && f.ends_with(".png")).unwrap();
+        let [red, blue] = colours(&format!("out/{map}"));
+        assert_eq!(red > blue, is_red, "baked at {time} s: red {red}, blue {blue}");
+    }
     let said = text(&paste("out/f.glb", &["--frames", "first"]).stderr);
     assert!(said.contains("leave out one of them"), "{said}");
     let said = text(&paste("out/v.glb", &["--frames", "light", "--fps", "6"]).stderr);
