@@ -126,7 +126,7 @@ fn bytes(text: &str) -> Result<f64, String> {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_REGION: [&str; 41] = [
+const OF_A_REGION: [&str; 42] = [
     "exemplars",
     "scale",
     "ratio",
@@ -142,6 +142,7 @@ const OF_A_REGION: [&str; 41] = [
     "keep_contrast",
     "base",
     "no_overlays",
+    "small",
     "no_prune",
     "splotches",
     "weights",
@@ -371,6 +372,7 @@ fn describe(args: &PasteArgs, pasted: &Pasted) -> serde_json::Value {
         "contrast": args.region.keep_contrast,
         "base": args.region.base.map(|base| base.to_string()),
         "overlays": !args.region.plain && !args.region.no_overlays,
+        "small": args.region.small,
         "prune": !args.region.plain && !args.region.no_prune,
         "regions": pasted.report.regions.iter().map(|r| &r.name).collect::<Vec<_>>(),
         "pastes": pasted.report.paste.pastes,

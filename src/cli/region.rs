@@ -68,6 +68,9 @@ pub struct RegionArgs {
     /// Lay no pastes over hard edges that show
     #[arg(long, help_heading = "Texture patches")]
     pub no_overlays: bool,
+    /// Lay smaller pastes over hard edges that still show: fewer shards on thin limbs and in folds, for more pastes and masks
+    #[arg(long, help_heading = "Texture patches", conflicts_with_all = ["plain", "no_overlays"])]
+    pub small: bool,
     /// Keep pastes that the others make needless
     #[arg(long, help_heading = "Texture patches")]
     pub no_prune: bool,
@@ -230,6 +233,7 @@ fn job(args: &RegionArgs) -> anyhow::Result<PasteJob> {
         },
         hide_hard_edges: !args.no_sort,
         overlays: !args.no_overlays,
+        small: args.small,
         prune: !args.no_prune,
         cull: !args.no_cull,
         windows: !args.no_windows,

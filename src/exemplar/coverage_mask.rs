@@ -17,6 +17,7 @@ use super::{Image, TexturePatch};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 /// Radii, in pixels, for which eroded alpha is kept.
 pub const ERODED_RADII: [f32; 5] = [0.75, 1.5, 3.0, 6.0, 12.0];
@@ -36,13 +37,13 @@ struct Cell {
     eroded: [u8; ERODED_RADII.len()],
 }
 
-/// A mask prepared for coverage. Positions are continuous pixels of the mask; (0, 0) is its top left corner.
+/// A mask prepared for coverage; copies share its pixels. Positions are continuous pixels of the mask; (0, 0) is its top left corner.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoverageMask {
     width: u32,
     height: u32,
     size: Vec2,
-    cells: Vec<Cell>,
+    cells: Arc<[Cell]>,
 }
 
 impl CoverageMask {
@@ -88,7 +89,7 @@ impl CoverageMask {
             }
             cell
         };
-        let cells = (0..w * h).into_par_iter().map(cell).collect();
+        let cells = (0..w * h).into_par_iter().map(cell).collect::<Vec<_>>().into();
         Self { width, height, size: Vec2::new(width as f32, height as f32), cells }
     }
 

@@ -16,6 +16,7 @@ pub mod mask;
 pub mod outline;
 pub mod patch;
 mod slow;
+mod smaller;
 pub mod snap;
 mod splotch;
 pub mod srgb;

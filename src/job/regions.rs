@@ -114,10 +114,6 @@ impl Stack {
         job.base.map_or(Ok(()), |base| base.check(model))?;
         let (mut exemplars, patches) = cut_patches(inputs, &job, &mut report.warnings)?;
         let slow = job.base.map(|base| (base, split(&mut exemplars, &mut report.warnings)));
-        let all = self.lapped.patches.len() + patches.len();
-        if all > usize::from(u16::MAX) {
-            return Err(PasteError::TooManyPatches(all).into());
-        }
         let (scale, ratio) = scale_of(&mesh, &job, &exemplars)?;
         let directed = !matches!(job.steer, super::Steer::Isotropic(_));
         let work = Work { faces: faces.len(), ..Work::new(&cleaned.report, ratio, directed, job.paste.windows, &exemplars) };
@@ -131,6 +127,10 @@ impl Stack {
 
         let count = patches.len();
         let (done, statistics) = paste(&mesh, &guide, exemplars, patches, &difficulty, &keep.paste, progress)?;
+        let all = self.lapped.patches.len() + done.patches.len();
+        if all > usize::from(u16::MAX) {
+            return Err(PasteError::TooManyPatches(all).into());
+        }
         let base = slow.map_or_else(Vec::new, |(base, slow)| {
             let painted = || {
                 let all = of_vertices(model, &cleaned.mesh, &cleaned.user_faces);

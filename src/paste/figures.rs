@@ -37,6 +37,8 @@ pub struct PasteStatistics {
     pub repairs: usize,
     /// Pastes laid over hard edges that showed.
     pub overlays: usize,
+    /// Smaller pastes laid over hard edges that still showed.
+    pub small: usize,
     /// Pastes left out because the others cover all they did.
     pub pruned: usize,
     /// Pastes with a hard edge.

@@ -30,6 +30,7 @@ use crate::random::Random;
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Mutex;
 
 /// Points drawn at a time: enough for many cores, few enough that early pastes still see most of each other.
@@ -235,25 +236,39 @@ impl<'a> Loop<'a> {
     /// If no paste can be laid at one.
     pub fn patch_up(&mut self, points: &[SurfacePoint]) -> Result<(), PasteError> {
         for &seed in points {
-            let order = self.order(seed, None);
+            let order = self.order(seed, None, self.all());
             self.lay_batch(&[order])?;
         }
         Ok(())
     }
 
-    /// Lays a paste at each of these points, free of the guide's direction unless it is a whole basis, if it and its hard edges are worth it. Points on faces
-    /// that one of them reached, taken or not, are passed over. Returns how many were taken.
+    /// Works on with more texture patches than before: these begin with those that it has.
+    #[must_use]
+    pub fn with<'b>(self, patches: &'b [TexturePatch], plans: &'b [PatchPlan], masks: &'b [CoverageMask]) -> Loop<'b>
+    where
+        'a: 'b,
+    {
+        let mut wider: Loop<'b> = self;
+        wider.input = LayoutInput { patches, plans, masks, ..wider.input };
+        wider
+    }
+
+    /// Lays a paste of the patches `among` at each of these points, if it and its hard edges are worth it. Those that a point and a patch
+    /// are `free` for are laid free of the guide's direction, unless that is a whole basis. Points on faces that one of them reached, taken
+    /// or not, are passed over. Returns how many were taken.
     ///
     /// # Errors
     /// If cancelled.
     pub fn lay_over(
         &mut self,
         points: &[SurfacePoint],
+        among: &Range<usize>,
+        free: &impl Fn(SurfacePoint, usize) -> bool,
         worth: &impl Fn(SurfacePoint, &Paste, &[HardEdge]) -> bool,
         progress: &dyn Progress,
     ) -> Result<usize, PasteError> {
         // A whole basis shears and stretches; only the field knows how.
-        let free = self.input.guide.field().is_none_or(|field| field.right.is_none());
+        let may_be_free = self.input.guide.field().is_none_or(|field| field.right.is_none());
         let mut done = vec![false; self.input.mesh.face_count()];
         let mut left = points.iter().copied().peekable();
         let mut laid = 0;
@@ -267,7 +282,8 @@ impl<'a> Loop<'a> {
                     left.next();
                     continue;
                 }
-                let order = Order { free, ..self.order(seed, None) };
+                let mut order = self.order(seed, None, among.clone());
+                order.free = may_be_free && free(seed, usize::from(order.patch));
                 if !orders.iter().all(|o| o.clear_of(&order)) {
                     break;
                 }
@@ -345,13 +361,19 @@ impl<'a> Loop<'a> {
         Some(best)
     }
 
-    fn order(&mut self, seed: SurfacePoint, sample: Option<usize>) -> Order {
-        let total: f64 = self.input.patches.iter().map(|p| f64::from(p.weight)).sum();
+    /// All texture patches.
+    fn all(&self) -> Range<usize> {
+        0..self.input.patches.len()
+    }
+
+    /// A paste of one of the patches `among`, which are some.
+    fn order(&mut self, seed: SurfacePoint, sample: Option<usize>, among: Range<usize>) -> Order {
+        let total: f64 = self.input.patches[among.clone()].iter().map(|p| f64::from(p.weight)).sum();
         let mut left = self.random.unit() * total;
         let mut patch = 0;
-        for (i, p) in self.input.patches.iter().enumerate() {
+        for i in among {
             patch = i as u16;
-            left -= f64::from(p.weight);
+            left -= f64::from(self.input.patches[i].weight);
             if left < 0.0 {
                 break;
             }
@@ -374,7 +396,7 @@ impl<'a> Loop<'a> {
             let n = self.random.below(uncovered as u64) as usize;
             let Some(sample) = tile.uncovered_sample(n) else { break };
             let bary = Lattice::new(&self.input.mesh.corners(face), self.pitch(face)).point(sample);
-            let order = self.order(SurfacePoint { face, bary }, Some(sample));
+            let order = self.order(SurfacePoint { face, bary }, Some(sample), self.all());
             if orders.iter().all(|o| o.clear_of(&order)) {
                 orders.push(order);
             }

@@ -4,8 +4,8 @@
 //!
 //! One paste goes through [`grow`] (a disc of faces over the texture patch), [`fit`] (aligned with the field),
 //! [`coverage`] (what has become opaque); [`layout`] repeats that until everything is. Then [`audit`](mod@audit) looks
-//! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not,
-//! [`prune`](mod@prune) leaves out those that the others make needless, [`window`] chooses what each of them shows and
+//! again, [`order`] sorts the pastes so that hard edges hide, [`overlay`] lays others over those that do not and
+//! [`small`] smaller ones over what is left, [`prune`](mod@prune) leaves out those that the others make needless, [`window`] chooses what each of them shows and
 //! [`seam`] where it ends, [`contrast`] how it fades, and what nobody can see is dropped. The result is a
 //! [`LappedTexture`]; [`Composite`] shows it. [`draft`](mod@draft) shows at once what a change will bring.
 
@@ -35,6 +35,7 @@ mod relief;
 pub mod seam;
 pub mod seed;
 mod size;
+pub mod small;
 pub mod statistics;
 pub mod stencil;
 mod turn;
@@ -74,6 +75,7 @@ use prune::prune;
 use rayon::prelude::*;
 use seam::{choose_agreements, choose_cuts, see_without_holes};
 use size::{check, check_size, least_scale, mean_scale};
+use small::Smaller;
 use std::sync::Arc;
 use std::time::Instant;
 use ways::Turns;
@@ -199,9 +201,15 @@ pub fn cover(
     }
     let overlays = options.hide_hard_edges && options.overlays;
     let same: Vec<Option<bool>> = exemplars.par_iter().map(|e| overlays.then(|| looks_same_every_way(e))).collect();
+    let loose: Vec<bool> = same.iter().map(|same| guide.field().is_none() || *same == Some(true)).collect();
     if overlays {
-        let loose: Vec<bool> = patches.iter().map(|p| guide.field().is_none() || same[p.exemplar as usize] == Some(true)).collect();
+        let loose: Vec<bool> = patches.iter().map(|p| loose[usize::from(p.exemplar)]).collect();
         statistics.overlays = lay_over_hard_edges(&mut work, &loose, options.seed, progress)?;
+    }
+    let smaller = if overlays && options.small { Smaller::new(&work, &masks) } else { None };
+    if let Some(smaller) = &smaller {
+        work = work.with(&smaller.patches, &smaller.plans, &smaller.masks);
+        statistics.small = smaller.lay(&mut work, &loose, options.seed, progress)?;
     }
     let input = *work.input();
     let mut layout = work.finish();
@@ -209,6 +217,10 @@ pub fn cover(
     if options.prune {
         statistics.pruned = prune(&input, &mut layout, repairs);
     }
+    let (patches, masks) = match smaller {
+        Some(smaller) => smaller.used(patches.len(), &mut layout),
+        None => (patches, masks),
+    };
     let Layout { pastes, seedings, edges, totals } = layout;
     statistics.draws_before_cull = draws(mesh, &pastes).0;
     statistics.grown_faces = totals.grown_faces;

@@ -33,6 +33,8 @@ pub struct PasteOptions {
     pub hide_hard_edges: bool,
     /// Lay pastes over hard edges that show ([`overlay`]), if they are hidden at all.
     pub overlays: bool,
+    /// Lay smaller pastes over what still shows of them ([`small`]), if overlays are laid.
+    pub small: bool,
     /// Leave out pastes that the others make needless ([`prune`](mod@prune)).
     pub prune: bool,
     /// Remove faces that later pastes hide.
@@ -59,6 +61,7 @@ impl Default for PasteOptions {
             isotropic_fit: IsotropicFit::default(),
             hide_hard_edges: true,
             overlays: true,
+            small: false,
             prune: true,
             cull: true,
             windows: true,
@@ -74,7 +77,7 @@ impl PasteOptions {
     /// With nothing that the paper does not have, sorting apart: no windows, cuts, overlays, pruning and contrast kept.
     #[must_use]
     pub fn plain(self) -> Self {
-        Self { overlays: false, prune: false, windows: false, cuts: false, contrast: false, ..self }
+        Self { overlays: false, small: false, prune: false, windows: false, cuts: false, contrast: false, ..self }
     }
 
     /// The distortion bound that holds for a guide, and for pastes that are free of its direction.

@@ -61,14 +61,18 @@ pub fn hard_edges(
 ) -> Vec<HardEdge> {
     open.iter()
         .filter_map(|&(slot, edge)| {
-            let (a, b) = (pixels[slot][edge], pixels[slot][(edge + 1) % 3]);
-            let sum: f32 = edge_steps().map(|t| mask.alpha(a.lerp(b, f64::from(t)).as_vec2())).sum();
-            let alpha = sum / EDGE_SAMPLES as f32;
+            let alpha = edge_alpha(mask, &pixels[slot], edge);
             let p = mesh.corners(faces[slot]);
             let length = p[edge].distance(p[(edge + 1) % 3]) as f32;
             (alpha > FAINT).then_some(HardEdge { face: faces[slot], edge: edge as u8, weight: length * alpha })
         })
         .collect()
+}
+
+/// Mean alpha of a mask along an edge of a face, from this corner to the next; `pixels` are those of its corners.
+pub(super) fn edge_alpha(mask: &CoverageMask, pixels: &[DVec2; 3], edge: usize) -> f32 {
+    let (a, b) = (pixels[edge], pixels[(edge + 1) % 3]);
+    edge_steps().map(|t| mask.alpha(a.lerp(b, f64::from(t)).as_vec2())).sum::<f32>() / EDGE_SAMPLES as f32
 }
 
 /// Places along an edge, 0 to 1.

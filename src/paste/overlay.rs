@@ -33,7 +33,7 @@ const STREAM: u64 = 1000;
 const WORTH: f64 = 0.6;
 
 /// Edges of which less than this share shows are left alone.
-const SHOWS: f64 = 0.1;
+pub(super) const SHOWS: f64 = 0.1;
 
 /// Pastes that follow the field elsewhere are laid straight over hard edges no further than this from a pole, in exemplar widths: so
 /// that it lies well inside them.
@@ -62,10 +62,8 @@ pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress:
         for (edge, &shows) in edges.iter().flatten().zip(shows.iter().flatten()) {
             on_face[edge.face as usize] += shows;
             if shows > SHOWS * f64::from(edge.weight) && (polar[edge.face as usize] || loose.contains(&true)) {
-                let mut bary = Vec3::splat(0.5);
-                bary[(edge.edge as usize + 2) % 3] = 0.0;
                 // Sorted by this, they stand as if drawn one after the other by how much they show.
-                points.push((-(1.0 - random.unit()).ln() / shows, SurfacePoint { face: edge.face, bary }));
+                points.push((-(1.0 - random.unit()).ln() / shows, middle(edge.face, edge.edge)));
             }
         }
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -86,7 +84,7 @@ pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress:
             let hidden: f64 = paste.faces.iter().enumerate().map(hides).sum();
             edges.iter().map(|e| f64::from(e.weight)).sum::<f64>() < WORTH * hidden
         };
-        let new = work.lay_over(&points, &worth, progress)?;
+        let new = work.lay_over(&points, &(0..patches.len()), &|_, _| true, &worth, progress)?;
         laid += new;
         work.sort_by_hard_edges();
         if new == 0 {
@@ -96,8 +94,15 @@ pub fn lay_over_hard_edges(work: &mut Loop, loose: &[bool], seed: u64, progress:
     Ok(laid)
 }
 
+/// The middle of a face's edge.
+pub(super) fn middle(face: u32, edge: u8) -> SurfacePoint {
+    let mut bary = Vec3::splat(0.5);
+    bary[(usize::from(edge) + 2) % 3] = 0.0;
+    SurfacePoint { face, bary }
+}
+
 /// By face, whether a pole of the field is near.
-fn near_poles(mesh: &Mesh, guide: &Guide) -> Vec<bool> {
+pub(super) fn near_poles(mesh: &Mesh, guide: &Guide) -> Vec<bool> {
     let mut near = vec![false; mesh.face_count()];
     let Some(field) = guide.field() else { return near };
     let first = mesh.vertex_half_edges();

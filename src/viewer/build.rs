@@ -220,7 +220,11 @@ pub fn build(
         let stage = Stage::new(mesh, &DrawOptions::default());
         let nothing = LappedTexture::default();
         let subject = match (&laid, cut) {
-            (Some(laid), Some(cut)) => renderer.load_with(&stage, &laid.lapped, None, Arc::clone(&cut.textures))?,
+            (Some(laid), Some(cut)) if laid.lapped.patches.len() == cut.patches.len() => {
+                renderer.load_with(&stage, &laid.lapped, None, Arc::clone(&cut.textures))?
+            }
+            // With smaller patches beside those that were cut.
+            (Some(laid), Some(_)) => renderer.load(&stage, &laid.lapped)?,
             _ => renderer.load(&stage, open.own.as_ref().map_or(&nothing, |own| &own.0))?,
         };
         // Its shaders are made here, not when a pane first draws it paste by paste.

@@ -17,6 +17,7 @@ mod hard;
 mod overlays;
 mod prune;
 mod repeat;
+mod small;
 #[path = "../common/turned.rs"]
 mod turned;
 mod turns;

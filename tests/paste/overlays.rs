@@ -12,7 +12,8 @@ use lapped::progress::Silent;
 
 fn pasted(name: &str, overlays: bool, cuts: bool) -> (Vec<Seeding>, PasteStatistics) {
     let mesh = asset("dragonling");
-    let options = PasteOptions { overlays, prune: false, windows: false, cuts, cull: false, ..PasteOptions::default() };
+    let options =
+        PasteOptions { overlays, small: false, prune: false, windows: false, cuts, cull: false, ..PasteOptions::default() };
     let patches = patches(name, PatchSource::Splotch);
     let exemplar = assets::exemplar(name).unwrap();
     let covered = cover(&mesh, &along_y(&mesh), vec![exemplar], patches, &[], &options, &Silent).unwrap();
