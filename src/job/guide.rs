@@ -41,7 +41,7 @@ pub struct Guided {
     pub report: JobReport,
 }
 
-/// The part of [`lay`] that needs no patches: the scale, the field, and the faces that are cut for both.
+/// The part of [`lay`](super::lay) that needs no patches: the scale, the field, and the faces that are cut for both.
 ///
 /// # Errors
 /// If the field or scale is unusable, or the job would take more memory than it may.

@@ -87,7 +87,7 @@ pub struct PasteJob {
     pub steer: Steer,
     /// Leave large faces as they are.
     pub keep_faces: bool,
-    /// Pixels over which alpha falls off at a patch's edge; `None` goes by each exemplar's size ([`default_feather`]).
+    /// Pixels over which alpha falls off at a patch's edge; `None` goes by each exemplar's size ([`default_feather`](super::patches::default_feather)).
     pub feather: Option<f32>,
     /// How else texture patches are cut; its feather is not used.
     pub patches: PatchOptions,

@@ -31,19 +31,19 @@ pub struct PasteOptions {
     pub isotropic_fit: IsotropicFit,
     /// Sort pastes so that hard edges lie at the bottom.
     pub hide_hard_edges: bool,
-    /// Lay pastes over hard edges that show ([`overlay`]), if they are hidden at all.
+    /// Lay pastes over hard edges that show ([`overlay`](mod@super::overlay)), if they are hidden at all.
     pub overlays: bool,
-    /// Lay smaller pastes over what still shows of them ([`small`]), if overlays are laid.
+    /// Lay smaller pastes over what still shows of them ([`small`](mod@super::small)), if overlays are laid.
     pub small: bool,
-    /// Leave out pastes that the others make needless ([`prune`](mod@prune)).
+    /// Leave out pastes that the others make needless ([`prune`](mod@super::prune)).
     pub prune: bool,
     /// Remove faces that later pastes hide.
     pub cull: bool,
-    /// Let each paste show the part of its exemplar that agrees best with what lies around it ([`window`]).
+    /// Let each paste show the part of its exemplar that agrees best with what lies around it ([`window`](mod@super::window)).
     pub windows: bool,
-    /// Let the border of each paste run where it shows least ([`seam`]).
+    /// Let the border of each paste run where it shows least ([`seam`](mod@super::seam)).
     pub cuts: bool,
-    /// Let transitions keep the contrast of what they mix ([`contrast`]).
+    /// Let transitions keep the contrast of what they mix ([`contrast`](mod@super::contrast)).
     pub contrast: bool,
     /// Where coverage is drawn.
     pub coverage: Coverage,

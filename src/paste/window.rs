@@ -12,7 +12,7 @@
 //!    band lies over pastes whose windows are known, and where bands of such pastes lie over it, as far as that shows.
 //! 3. On a level of a few dozen pixels every window is tried; the best few are followed to finer levels, pixel by pixel.
 //!
-//! 4. Exemplars that look the same turned are tried so ([`super::ways`]); a turn must be clearly better than none.
+//! 4. Exemplars that look the same turned are tried so (`paste::ways`); a turn must be clearly better than none.
 //!
 //! An exemplar that tiles has all windows; any other those that keep the mask inside it. Colours and all other channels count as
 //! [`crate::exemplar::stack`] weighs them.
@@ -56,7 +56,7 @@ const TURN_WORTH: f64 = 0.95;
 /// Random stream of the windows of pastes without known neighbours.
 const STREAM: u64 = 0x5749_4E44_4F57_0000;
 
-/// What [`choose_windows`] did.
+/// What choosing windows did.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct WindowStatistics {
     /// Pastes whose window was chosen by what lies around them.
