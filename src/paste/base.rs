@@ -11,7 +11,7 @@
 
 use super::composite::Composite;
 use super::lapped::{BaseColor, LappedTexture, base_color};
-use crate::exemplar::{Channel, Image};
+use crate::exemplar::{Exemplar, Image};
 use crate::field::Guide;
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::numeric::{CgOptions, Jacobi, Pair, Sparse, Stop, solve};
@@ -31,13 +31,12 @@ const THIN: f64 = 1e-9;
 /// A base at the corners of each face. `slow` has the slow part of each exemplar, as large as it is.
 #[must_use]
 pub fn own_base(mesh: &Mesh, guide: &Guide, lapped: &LappedTexture, slow: Vec<Image>) -> Vec<[BaseColor; 3]> {
-    let mut shown = lapped.clone();
-    for (exemplar, slow) in shown.exemplars.iter_mut().zip(slow) {
-        exemplar.remove_frames();
-        // It is as large as the exemplar.
-        let _ = exemplar.set(Channel::BaseColor, slow);
-    }
-    let composite = Composite::new(mesh, &shown);
+    let exemplars = lapped.exemplars.iter().zip(slow).map(|(exemplar, slow)| {
+        let mut shown = Exemplar::new(exemplar.name.clone(), slow);
+        shown.wrap = exemplar.wrap;
+        shown
+    });
+    let composite = Composite::new(mesh, lapped).showing(exemplars.collect());
     let corner = |face: u32, k: usize| {
         let mut bary = Vec3::ZERO;
         bary[k] = 1.0;

@@ -124,6 +124,13 @@ impl<'a> Composite<'a> {
         self
     }
 
+    /// Shows these exemplars in place of its own, one for each and as large.
+    #[must_use]
+    pub(super) fn showing(mut self, exemplars: Vec<Exemplar>) -> Self {
+        self.exemplars = Cow::Owned(exemplars);
+        self
+    }
+
     /// The pastes on each face.
     #[must_use]
     pub const fn lists(&self) -> &FaceLists {

@@ -75,7 +75,7 @@ fn options_of_paste_take_effect() {
     let bright = |x: f32, y: f32| (x - 32.0).powi(2) + 2.0 * (y - 32.0).powi(2) < 900.0;
     let ellipse = image::GrayImage::from_fn(64, 64, |x, y| image::Luma([if bright(x as f32, y as f32) { 255 } else { 0 }]));
     ellipse.save(place.path("ellipse.png")).unwrap();
-    let lines: [&[&str]; 20] = [
+    let lines: [&[&str]; 21] = [
         &["--scale", "0.5"],
         &["--ratio", "12", "--up", "-x"],
         &["--up", "1,2,3", "--patch", "whole"],
@@ -93,6 +93,7 @@ fn options_of_paste_take_effect() {
         &["--no-prune"],
         &["--no-windows", "--no-cuts", "--no-overlays"],
         &["--small"],
+        &["--base", "#8a5a3c"],
         &["--keep-contrast", "--feather=12"],
         &["--equalize"],
         &["--quiet", "rust.png", "--weights", "1,3"],
