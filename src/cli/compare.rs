@@ -65,7 +65,7 @@ pub struct CompareArgs {
 }
 
 /// Flags that belong into a job file where there is one.
-const OF_A_CELL: [&str; 14] = [
+const OF_A_CELL: [&str; 15] = [
     "mesh",
     "exemplars",
     "methods",
@@ -74,6 +74,7 @@ const OF_A_CELL: [&str; 14] = [
     "up",
     "field",
     "patch",
+    "small",
     "exemplar_size",
     "weld",
     "seed",
@@ -104,6 +105,9 @@ pub struct CellArgs {
     /// Texture patches of the pasted methods: `auto` lets the exemplar choose, as in `lapped paste`
     #[arg(long, value_enum, value_name = "SHAPE", default_value_t = PatchArg::Splotch, help_heading = "Method")]
     pub patch: PatchArg,
+    /// Lay smaller pastes over hard edges that still show, as in `lapped paste`; plain pastes have none
+    #[arg(long, help_heading = "Method")]
+    pub small: bool,
     /// Longer side of the exemplar in pixels, to which a larger one is brought for all methods
     #[arg(long, value_name = "PX", default_value_t = SIDE, value_parser = clap::value_parser!(u32).range(16..=1024), help_heading = "Size and direction")]
     pub exemplar_size: u32,
@@ -174,6 +178,7 @@ impl CellArgs {
                 clean: CleanOptions { weld: self.weld, ..CleanOptions::default() },
                 seed: self.seed,
                 choose: self.patch == PatchArg::Auto,
+                small: self.small,
             },
             views,
             size: self.size.0,
@@ -223,6 +228,9 @@ impl CellArgs {
         flag("size", self.size.to_string());
         if self.blind > 0 {
             flag("blind", self.blind.to_string());
+        }
+        if self.small {
+            words.push("--small".to_owned());
         }
         words.iter().map(|w| quoted(w)).collect::<Vec<_>>().join(" ")
     }

@@ -59,6 +59,8 @@ pub struct SettingOptions {
     pub seed: u64,
     /// Let the exemplar choose its patches.
     pub choose: bool,
+    /// Lay smaller pastes over hard edges that still show ([`PasteOptions::small`]).
+    pub small: bool,
 }
 
 /// The exemplar's longer side at most, unless another is asked for: as in synthesis.
@@ -76,6 +78,7 @@ impl Default for SettingOptions {
             clean: CleanOptions::default(),
             seed: 1,
             choose: false,
+            small: false,
         }
     }
 }
@@ -103,7 +106,7 @@ impl Setting {
             scale: options.scale,
             steer: options.steer.clone(),
             patches: PatchOptions { seed: options.seed, ..PatchOptions::default() },
-            paste: PasteOptions { seed: options.seed, ..PasteOptions::default() },
+            paste: PasteOptions { seed: options.seed, small: options.small, ..PasteOptions::default() },
             ..PasteJob::default()
         };
         let Guided { fine, guide, report } = guided(&cleaned, std::slice::from_ref(&exemplar), &job)?;

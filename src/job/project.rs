@@ -80,6 +80,11 @@ const fn one() -> f32 {
     1.0
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+const fn is_off(switch: &bool) -> bool {
+    !*switch
+}
+
 fn is_usual(synthesis: &Synthesis) -> bool {
     *synthesis == Synthesis::default()
 }
@@ -165,6 +170,12 @@ pub struct Project {
     /// Each paste shows the part of its exemplar that agrees best with what lies around it, and ends where that shows least; others
     /// are laid over hard edges.
     pub windows: bool,
+    /// With `windows`, smaller pastes are laid over hard edges that still show.
+    #[serde(skip_serializing_if = "is_off")]
+    pub small: bool,
+    /// With `windows`, contrast is kept where pastes fade.
+    #[serde(skip_serializing_if = "is_off")]
+    pub contrast: bool,
     /// Seed of all random choices.
     pub seed: u64,
     /// The synthesis that the pastes are compared with.
@@ -190,6 +201,8 @@ impl Default for Project {
             distortion: None,
             keep_faces: false,
             windows: true,
+            small: false,
+            contrast: false,
             seed: 1,
             synthesis: Synthesis::default(),
             view: None,
@@ -296,7 +309,8 @@ impl Project {
     /// The job that the project asks for; `first` is its first exemplar, which decides where the direction is left to it.
     #[must_use]
     pub fn job(&self, first: Option<&Exemplar>) -> PasteJob {
-        let paste = PasteOptions { seed: self.seed, distortion: self.distortion, ..PasteOptions::default() };
+        let (small, contrast) = (self.small, self.contrast);
+        let paste = PasteOptions { seed: self.seed, distortion: self.distortion, small, contrast, ..PasteOptions::default() };
         PasteJob {
             scale: match self.size {
                 Size::Ratio(ratio) => Scale::Ratio(ratio),
@@ -386,10 +400,22 @@ mod tests {
                 ..Constraints::default()
             },
             feather: Some(2.5),
+            small: true,
             synthesis: Synthesis { exemplar: 1, vertices: 20_000, seed: 9 },
             view: Some(ProjectView { turn: [0.1, -0.3], at: [1.0, 2.0, 1.0 / 3.0], distance: 4.0, z_up: true }),
             ..Project::default()
         }
+    }
+
+    #[test]
+    fn switches_of_borders_count_where_borders_are_matched_and_are_written_where_they_are_on() {
+        let on = Project { small: true, contrast: true, ..Project::default() };
+        let switches = |p: &Project| (p.job(None).paste.small, p.job(None).paste.contrast);
+        assert_eq!(switches(&on), (true, true), "they reach the job");
+        assert_eq!(switches(&Project { windows: false, ..on.clone() }), (false, false), "plain pastes have neither");
+        assert_eq!(switches(&Project::default()), (false, false), "nobody asked");
+        let written = |p: &Project| serde_json::to_value(p).expect("JSON").as_object().map(|o| o.contains_key("small"));
+        assert_eq!([&on, &Project::default()].map(written), [Some(true), Some(false)], "older versions read projects without them");
     }
 
     #[test]

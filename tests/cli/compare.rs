@@ -51,6 +51,11 @@ fn one_pair_is_a_page_a_report_and_pictures_and_is_kept() {
     let other = place.run(&[&args[..], &["--seed", "2"]].concat());
     assert_eq!(other.status.code(), Some(0), "{}", text(&other.stderr));
     assert_eq!(json(&place, "out/c/report.json")["setting"]["seed"], 2, "another seed is another comparison");
+    let small = place.run(&[&args[..], &["--small"]].concat());
+    assert_eq!(small.status.code(), Some(0), "{}", text(&small.stderr));
+    assert!(!text(&small.stderr).contains("kept"), "and so are smaller pastes: {}", text(&small.stderr));
+    let report = json(&place, "out/c/report.json");
+    assert!(report["asked"]["command"].as_str().unwrap().ends_with("--small"), "the command has the switch: {}", report["asked"]);
 }
 
 #[test]

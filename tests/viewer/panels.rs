@@ -4,7 +4,7 @@
 
 use crate::common::Bench;
 use egui::{Event, Key, Modifiers, PointerButton, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 use lapped::job::Project;
 use lapped::viewer::Mode;
 
@@ -79,6 +79,27 @@ fn a_slider_moved_let_go_and_undone_within_one_frame_is_undone() {
     bench.harness.step();
     assert_eq!(bench.app().document.project(), &first, "as it was before the slider moved");
     assert_eq!(bench.app().document.steps()[1], Some("scale"), "one change, taken back");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn smaller_patches_are_laid_and_taken_back_by_a_switch_that_plain_pastes_lack() {
+    let mut bench = Bench::new(SMALL, 1.0);
+    bench.begin("knot", "bricks");
+    let patches = |bench: &Bench| bench.app().shown().unwrap().lapped().unwrap().patches.len();
+    let first = patches(&bench);
+    let click = |bench: &mut Bench, label: &str| {
+        bench.harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, label).click();
+        bench.settle();
+    };
+    click(&mut bench, "smaller patches");
+    assert!(bench.app().document.project().small && patches(&bench) > first, "{} patches", patches(&bench));
+    click(&mut bench, "keep contrast");
+    assert!(bench.app().document.project().contrast, "the other switch");
+    click(&mut bench, "match borders");
+    assert_eq!(patches(&bench), first, "plain pastes have no smaller ones");
+    let small = bench.harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, "smaller patches");
+    assert!(small.accesskit_node().is_disabled(), "and no switch for them");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use super::menu::shortened;
 use crate::exemplar::Exemplar;
 use crate::job::Link;
 use crate::job::project::{Direction, ProjectExemplar, Shape, Size};
-use egui::{ComboBox, DragValue, Image, RichText, ScrollArea, Sense, Slider, Ui, vec2};
+use egui::{Checkbox, ComboBox, DragValue, Image, RichText, ScrollArea, Sense, Slider, Ui, vec2};
 
 /// The longest name that is shown whole, letters.
 const NAME: usize = 26;
@@ -278,6 +278,22 @@ fn patches(app: &mut App, ui: &mut Ui) {
                     laid over hard edges. The paper's pastes all show the same";
         if ui.checkbox(&mut windows, "match borders").on_hover_text(hint).changed() {
             app.edit("windows", |p| p.windows = windows);
+        }
+        ui.end_row();
+
+        ui.label("");
+        let hint = "Smaller pastes are laid over hard edges that still show: fewer shards on thin limbs and in folds";
+        let mut small = project.small;
+        if ui.add_enabled(windows, Checkbox::new(&mut small, "smaller patches")).on_hover_text(hint).changed() {
+            app.edit("smaller patches", |p| p.small = small);
+        }
+        ui.end_row();
+
+        ui.label("");
+        let hint = "Gives back the contrast that two textures lose where one fades into the other: for a wide feather, or soft exemplars";
+        let mut contrast = project.contrast;
+        if ui.add_enabled(windows, Checkbox::new(&mut contrast, "keep contrast")).on_hover_text(hint).changed() {
+            app.edit("contrast", |p| p.contrast = contrast);
         }
         ui.end_row();
 
