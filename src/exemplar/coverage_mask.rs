@@ -224,6 +224,17 @@ impl Region {
 
     /// The minimum of alpha over the lattice points around pixel `i` of padded alpha, rounded down.
     fn minimum(&self, alpha: &[u8], i: usize) -> u8 {
+        if self.per_pixel == 1 {
+            // Its points are pixels.
+            let mut least = 255;
+            for &(offset, _) in &self.points {
+                least = alpha[i.wrapping_add_signed(offset)].min(least);
+                if least == 0 {
+                    break;
+                }
+            }
+            return least;
+        }
         let one = self.per_pixel * self.per_pixel;
         let mut least = 255 * one;
         for &(offset, weights) in &self.points {

@@ -154,6 +154,7 @@ pub struct Exemplar {
     size: [u32; 2],
     channels: Vec<(Channel, MipChain)>,
     frames: Option<Frames>,
+    symmetry: symmetry::Remembered,
 }
 
 impl Exemplar {
@@ -167,6 +168,7 @@ impl Exemplar {
             size,
             channels: vec![(Channel::BaseColor, MipChain::new(base_color))],
             frames: None,
+            symmetry: symmetry::Remembered::default(),
         }
     }
 
@@ -186,6 +188,7 @@ impl Exemplar {
             });
         }
         let chain = MipChain::new(image);
+        self.symmetry = symmetry::Remembered::default();
         match self.channels.binary_search_by_key(&channel, |(c, _)| *c) {
             Ok(i) => self.channels[i].1 = chain,
             Err(i) => {
@@ -201,6 +204,7 @@ impl Exemplar {
     /// Takes a channel out, of all frames; the base colour stays.
     pub fn remove(&mut self, channel: Channel) {
         self.channels.retain(|(c, _)| *c != channel || *c == Channel::BaseColor);
+        self.symmetry = symmetry::Remembered::default();
         let Ok(()) = self.change_others(|other| {
             other.remove(channel);
             Ok::<(), std::convert::Infallible>(())

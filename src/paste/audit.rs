@@ -5,7 +5,7 @@
 //! falls short. A face, or a run of texels, whose image lies wholly inside the opaque part of one paste's mask has no such
 //! point and is not looked at more closely.
 
-use super::coverage::{Image, Lattice};
+use super::coverage::{FACES_A_TASK, Image, Lattice};
 use super::lapped::{FaceLists, Paste};
 use super::order::mask_pixels;
 use crate::exemplar::{CoverageMask, TexturePatch};
@@ -49,7 +49,7 @@ pub fn audit(
     };
     let faces: Vec<u32> = (0..mesh.face_count() as u32).collect();
     let parts: Vec<Audit> = faces
-        .par_chunks(CHUNK)
+        .par_chunks(FACES_A_TASK)
         .map(|chunk| {
             let mut part = Audit { least_alpha: 1.0, ..Audit::default() };
             for &face in chunk {
@@ -74,9 +74,6 @@ pub fn audit(
         all
     })
 }
-
-/// Faces a task takes.
-const CHUNK: usize = 4096;
 
 /// Texels of a row that are tried together against a mask's depth before they are looked at one by one.
 const RUN: u32 = 16;

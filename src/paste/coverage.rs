@@ -20,6 +20,9 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 /// Cells of a row that are tried together against the mask's depth before they are looked at one by one.
 pub const RUN: u32 = 8;
 
+/// Faces that one task looks at, where all are: a face of a coarse mesh may hold thousands of cells.
+pub(super) const FACES_A_TASK: usize = 128;
+
 /// Samples at or below this transparency, of 255, count as opaque.
 const OPAQUE: u8 = 1;
 

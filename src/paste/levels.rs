@@ -3,6 +3,7 @@
 use crate::exemplar::stack::matched;
 use crate::exemplar::{Channel, ChannelSet, Exemplar};
 use glam::Vec2;
+use rayon::prelude::*;
 
 /// One level of an exemplar as numbers to match, repeated once to the right and down, so that windows need no remainder.
 pub(super) struct Level {
@@ -18,18 +19,17 @@ impl Level {
         let images: Vec<_> = channels.iter().filter_map(|c| Some((c, exemplar.channel(c)?.levels().get(level)?))).collect();
         let full = exemplar.size();
         let [w, h] = images.first().map_or([1, 1], |(_, image)| image.size()).map(|s| s as usize);
-        let mut numbers = Vec::new();
-        let mut rows = Vec::new();
-        for y in 0..h as i64 {
-            numbers.clear();
+        let row = |y: i64| {
+            let mut numbers = Vec::new();
             for x in 0..w as i64 {
                 images.iter().for_each(|(c, image)| matched(*c, image.pixel(x, y).to_array(), &mut numbers));
             }
-            rows.extend_from_slice(&numbers);
-            rows.extend_from_slice(&numbers);
-        }
-        let data = [rows.as_slice(), rows.as_slice()].concat();
-        let components = numbers.len() / w.max(1);
+            numbers
+        };
+        let rows: Vec<Vec<f32>> = (0..h as i64).into_par_iter().map(row).collect();
+        let components = rows.first().map_or(0, Vec::len) / w.max(1);
+        let mut data = Vec::with_capacity(4 * w * h * components);
+        rows.iter().chain(&rows).flat_map(|row| [row, row]).for_each(|row| data.extend_from_slice(row));
         Self { size: [w, h], scale: Vec2::new(w as f32 / full[0] as f32, h as f32 / full[1] as f32), components, data }
     }
 

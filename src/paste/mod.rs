@@ -40,6 +40,7 @@ pub mod statistics;
 pub mod stencil;
 mod turn;
 pub mod watch;
+mod waves;
 mod ways;
 pub mod window;
 
@@ -61,7 +62,7 @@ pub use statistics::SpreadSummary;
 pub use turn::{TURNS, Turn};
 pub use watch::Growth;
 
-use crate::exemplar::symmetry::{exemplar_symmetry, looks_same_every_way};
+use crate::exemplar::symmetry::exemplar_symmetry;
 use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
 use crate::field::Guide;
 use crate::mesh::Mesh;
@@ -124,8 +125,6 @@ pub struct Covered {
     scale: f64,
     /// The guide has a direction.
     directed: bool,
-    /// Which exemplars look the same every way, if that was asked.
-    same: Vec<Option<bool>>,
     seed: u64,
     cull: bool,
     statistics: PasteStatistics,
@@ -176,7 +175,15 @@ pub fn cover(
     statistics.seconds.prepare = begin.elapsed().as_secs_f64();
 
     let start = Instant::now();
-    work.run(progress)?;
+    let overlays = options.hide_hard_edges && options.overlays;
+    // Where there is a processor to spare it finds what overlays and windows ask of the exemplars later, and they remember.
+    let look = || {
+        if overlays {
+            exemplars.par_iter().for_each(|e| drop(exemplar_symmetry(e)));
+        }
+    };
+    let (laid, ()) = rayon::join(|| work.run(progress), look);
+    laid?;
     statistics.seconds.pasting = start.elapsed().as_secs_f64();
 
     let start = Instant::now();
@@ -199,9 +206,8 @@ pub fn cover(
     if options.hide_hard_edges {
         work.sort_by_hard_edges();
     }
-    let overlays = options.hide_hard_edges && options.overlays;
-    let same: Vec<Option<bool>> = exemplars.par_iter().map(|e| overlays.then(|| looks_same_every_way(e))).collect();
-    let loose: Vec<bool> = same.iter().map(|same| guide.field().is_none() || *same == Some(true)).collect();
+    let looks_same = |e: &Exemplar| exemplar_symmetry(e).is_some_and(|found| found.isotropic);
+    let loose: Vec<bool> = exemplars.iter().map(|e| overlays && (guide.field().is_none() || looks_same(e))).collect();
     if overlays {
         let loose: Vec<bool> = patches.iter().map(|p| loose[usize::from(p.exemplar)]).collect();
         statistics.overlays = lay_over_hard_edges(&mut work, &loose, options.seed, progress)?;
@@ -237,7 +243,7 @@ pub fn cover(
     statistics.seconds.total = begin.elapsed().as_secs_f64();
     let lapped = LappedTexture { exemplars, patches, pastes, layers: Vec::new() };
     let (scale, seed, cull) = (mean_scale(mesh, guide), options.seed, options.cull);
-    Ok(Covered { lapped, seedings, edges, masks, pitch, scale, directed: guide.field().is_some(), same, seed, cull, statistics })
+    Ok(Covered { lapped, seedings, edges, masks, pitch, scale, directed: guide.field().is_some(), seed, cull, statistics })
 }
 
 impl Covered {
@@ -246,12 +252,12 @@ impl Covered {
     #[must_use]
     pub fn finish(self, mesh: &Mesh, asked: Finish, progress: &dyn Progress) -> (LappedTexture, Vec<Seeding>, PasteStatistics) {
         let begin = Instant::now();
-        let Self { mut lapped, mut seedings, mut edges, masks, pitch, scale, directed, same, seed, cull, mut statistics } = self;
+        let Self { mut lapped, mut seedings, mut edges, masks, pitch, scale, directed, seed, cull, mut statistics } = self;
         // Before culling: what lies hidden below tells how the texture goes on.
         let pitch = |f: u32| f64::from(pitch[f as usize]);
         if asked.windows {
             progress.stage("choosing windows", 0);
-            let turns = turns(&lapped, &same, directed);
+            let turns = turns(&lapped, directed);
             statistics.windows = choose_windows(mesh.face_count(), &mut lapped, &turns, seed);
         }
         if asked.cuts {
@@ -282,17 +288,17 @@ impl Covered {
     }
 }
 
-/// How each exemplar may be turned under its masks. Those that look the `same` every way are turned only if nothing gives them a direction:
+/// How each exemplar may be turned under its masks. Those that look the same every way are turned only if nothing gives them a direction:
 /// a photograph's light then lies as it was told to.
-fn turns(lapped: &LappedTexture, same: &[Option<bool>], directed: bool) -> Vec<Turns> {
+fn turns(lapped: &LappedTexture, directed: bool) -> Vec<Turns> {
     let of = |(k, exemplar): (usize, &Exemplar)| {
         if !lapped.patches.iter().any(|p| p.slides && p.exemplar as usize == k) {
             return Turns::None;
         }
-        match (same[k].unwrap_or_else(|| looks_same_every_way(exemplar)), directed) {
-            (true, true) => Turns::None,
-            (true, false) => Turns::Any,
-            _ => exemplar_symmetry(exemplar).map_or(Turns::None, |found| Turns::Parts(found.n)),
+        match exemplar_symmetry(exemplar) {
+            Some(found) if found.isotropic && !directed => Turns::Any,
+            Some(found) if !found.isotropic => Turns::Parts(found.n),
+            _ => Turns::None,
         }
     };
     lapped.exemplars.par_iter().enumerate().map(of).collect()

@@ -5,7 +5,7 @@
 //! ones lie over them. Then, from the top down, each face keeps the pastes of which anything can be seen (LT 4).
 
 use super::composite::paste_alpha;
-use super::coverage::{Lattice, Tile};
+use super::coverage::{FACES_A_TASK, Lattice, Tile};
 use super::lapped::{FaceLists, LappedTexture, Paste};
 use super::stencil::Stencil;
 use crate::exemplar::{CoverageMask, TexturePatch};
@@ -32,21 +32,32 @@ pub struct HardEdge {
 
 /// The hard edges of all pastes by face.
 #[derive(Debug)]
-pub(super) struct EdgesByFace(Vec<(u32, u32, u8)>);
+pub(super) struct EdgesByFace {
+    /// Face, paste and edge of each, in that order.
+    all: Vec<(u32, u32, u8)>,
+    /// Where those of each face begin, up to the last that has one, and one more.
+    start: Vec<u32>,
+}
 
 impl EdgesByFace {
     pub(super) fn new(edges: &[Vec<HardEdge>]) -> Self {
         let of_paste = |(k, edges): (usize, &Vec<HardEdge>)| edges.iter().map(|e| (e.face, k as u32, e.edge)).collect::<Vec<_>>();
         let mut all: Vec<_> = edges.iter().enumerate().flat_map(of_paste).collect();
-        all.sort_unstable();
-        Self(all)
+        all.par_sort_unstable();
+        let mut start = Vec::with_capacity(all.last().map_or(0, |e| e.0 as usize + 2));
+        for (place, &(face, ..)) in all.iter().enumerate() {
+            start.resize(start.len().max(face as usize + 1), place as u32);
+        }
+        start.push(all.len() as u32);
+        Self { all, start }
     }
 
     /// Face, paste and edge of those on a face.
     pub(super) fn on(&self, face: u32) -> &[(u32, u32, u8)] {
-        let from = self.0.partition_point(|e| e.0 < face);
-        let count = self.0[from..].iter().take_while(|e| e.0 == face).count();
-        &self.0[from..from + count]
+        match self.start.get(face as usize..) {
+            Some([from, to, ..]) => &self.all[*from as usize..*to as usize],
+            _ => &[],
+        }
     }
 }
 
@@ -249,7 +260,7 @@ impl Seen {
             }
         };
         let parts: Vec<(Vec<bool>, Vec<SurfacePoint>)> = faces
-            .par_chunks(CULL_CHUNK)
+            .par_chunks(FACES_A_TASK)
             .map(|chunk| {
                 let (mut keep, mut holes) = (Vec::new(), Vec::new());
                 chunk.iter().for_each(|&f| on_face(f, &mut keep, &mut holes));
@@ -274,9 +285,6 @@ pub fn cull(lapped: &mut LappedTexture, seen: &Seen) -> Vec<u32> {
     lapped.pastes.retain(|p| !p.faces.is_empty());
     left
 }
-
-/// Faces a task of culling takes: enough to outweigh the task's own cost.
-const CULL_CHUNK: usize = 4096;
 
 fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
     let mut at = keep.iter();

@@ -8,17 +8,17 @@
 //!    there in all, and no more hard edges show. Pastes that share no face are looked at in parallel.
 //! 3. Pastes that the audit asked for are kept: it looks closer than the samples.
 
-use super::coverage::{Lattice, Tile};
+use super::coverage::{FACES_A_TASK, Lattice, Tile};
 use super::lapped::{FaceLists, Paste};
 use super::layout::{Layout, LayoutInput};
 use super::order::{EdgesByFace, HardEdge, mask_pixels, permute, uncovered_edge, visible_edge};
 use super::stencil::Stencil;
-use super::window::waves;
+use super::waves::waves;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Faces a task takes.
-const CHUNK: usize = 4096;
+/// Faces whose hard edges are looked at before it is asked whether too many show already.
+const AT_A_TIME: usize = 16 * FACES_A_TASK;
 
 /// Leaves out what is needless of pastes in paint order, but for those whose place in the order in which they were laid is among
 /// `kept`. Returns how many were left out.
@@ -94,7 +94,7 @@ impl Pruner<'_> {
             });
         };
         let parts: Vec<Vec<(u32, f64)>> = faces
-            .par_chunks(CHUNK)
+            .par_chunks(FACES_A_TASK)
             .map(|chunk| {
                 let mut shown = Vec::new();
                 chunk.iter().for_each(|face| of_face(face, &mut shown));
@@ -106,55 +106,56 @@ impl Pruner<'_> {
         sums
     }
 
-    /// True if a paste may be left out as those that are gone already were.
+    /// True if a paste may be left out as those that are gone already were. Where pastes are large few share a wave, so their faces are
+    /// looked at in parallel.
     fn needless(&self, k: u32, gone: &[bool]) -> bool {
         let faces = &self.pastes[k as usize].faces;
         let with = |face: u32| self.lists.of(face).iter().copied().filter(|e| !gone[e.0 as usize]);
-        let without = move |face: u32| with(face).filter(move |e| e.0 != k);
-        let mut drawn = 0;
-        for &face in faces {
-            let mut count = |_, shows, _: &Tile| drawn += i64::from(shows);
-            let mut list: Vec<(u32, u32)> = without(face).collect();
-            list.reverse();
-            if !self.look(face, list.into_iter(), &mut count) {
-                return false;
-            }
-        }
-        for &face in faces {
-            let mut count = |_, shows, _: &Tile| drawn -= i64::from(shows);
-            let mut list: Vec<(u32, u32)> = with(face).collect();
-            list.reverse();
-            self.look(face, list.into_iter(), &mut count);
-        }
-        drawn <= 0 && self.uncovers_no_more_than(self.own_edges(k, &with), k, &with)
+        // How many pastes are drawn on some faces, if these are opaque.
+        let drawn = |faces: &[u32], counts: &(dyn Fn(u32) -> bool + Sync)| {
+            let mut drawn = 0_i64;
+            let mut list: Vec<(u32, u32)> = Vec::new();
+            let opaque = faces.iter().all(|&face| {
+                list.clear();
+                list.extend(with(face).filter(|e| counts(e.0)));
+                self.look(face, list.iter().rev().copied(), |_, shows, _| drawn += i64::from(shows))
+            });
+            opaque.then_some(drawn)
+        };
+        let tasks = || faces.par_chunks(FACES_A_TASK);
+        let without = tasks().map(|faces| drawn(faces, &|paste| paste != k)).try_reduce(|| 0, |a, b| Some(a + b));
+        let Some(without) = without else { return false };
+        // Opaque without it, they are with it.
+        let before: i64 = tasks().filter_map(|faces| drawn(faces, &|_| true)).sum();
+        without <= before && self.uncovers_no_more_than(self.own_edges(k, &with), k, &with)
     }
 
     /// Length of a paste's own hard edges that shows.
-    fn own_edges<L: Iterator<Item = (u32, u32)>>(&self, k: u32, with: &impl Fn(u32) -> L) -> f64 {
+    fn own_edges<L: Iterator<Item = (u32, u32)>>(&self, k: u32, with: &(impl Fn(u32) -> L + Sync)) -> f64 {
         let LayoutInput { mesh, patches, .. } = *self.input;
         let shows = |e: &HardEdge| visible_edge(mesh, patches, self.pastes, &with(e.face).collect::<Vec<_>>(), (e.face, k, e.edge));
-        self.edges[k as usize].iter().map(shows).sum()
+        let lengths: Vec<f64> = self.edges[k as usize].par_iter().with_min_len(FACES_A_TASK).map(shows).collect();
+        lengths.into_iter().sum()
     }
 
     /// True if no more than that length of other pastes' hard edges shows without a paste and does not with it.
-    fn uncovers_no_more_than<L: Iterator<Item = (u32, u32)>>(&self, most: f64, k: u32, with: &impl Fn(u32) -> L) -> bool {
-        let mut sum = 0.0;
-        let mut list = Vec::new();
-        for &face in &self.pastes[k as usize].faces {
+    fn uncovers_no_more_than<L: Iterator<Item = (u32, u32)>>(&self, most: f64, k: u32, with: &(impl Fn(u32) -> L + Sync)) -> bool {
+        let on_face = |&face: &u32| -> Vec<f64> {
             let edges = self.by_face.on(face);
             let below = &edges[..edges.partition_point(|e| e.1 < k)];
             if below.is_empty() {
-                continue;
+                return Vec::new();
             }
-            list.clear();
-            list.extend(with(face));
-            for &edge in below {
-                sum += uncovered_edge(self.input.mesh, self.input.patches, self.pastes, &list, edge, k);
-                if sum > most {
-                    return false;
-                }
-            }
-        }
-        true
+            let list: Vec<(u32, u32)> = with(face).collect();
+            let LayoutInput { mesh, patches, .. } = *self.input;
+            below.iter().map(|&edge| uncovered_edge(mesh, patches, self.pastes, &list, edge, k)).collect()
+        };
+        let mut sum = 0.0;
+        // A few tasks at a time: mostly the first faces tell.
+        self.pastes[k as usize].faces.chunks(AT_A_TIME).all(|faces| {
+            let lengths: Vec<Vec<f64>> = faces.par_iter().with_min_len(FACES_A_TASK).map(on_face).collect();
+            sum += lengths.iter().flatten().sum::<f64>();
+            sum <= most
+        })
     }
 }

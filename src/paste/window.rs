@@ -18,9 +18,10 @@
 //! [`crate::exemplar::stack`] weighs them.
 
 use super::composite::paste_alpha;
-use super::lapped::{FaceLists, LappedTexture, Paste};
+use super::lapped::{FaceLists, LappedTexture};
 use super::levels::Level;
 use super::turn::Turn;
+use super::waves::{LEAST_FACES, outwards, waves};
 use super::ways::{Turns, Ways};
 use crate::exemplar::distance::distance;
 use crate::exemplar::{ChannelSet, Exemplar, TexturePatch, Wrap};
@@ -195,48 +196,6 @@ pub(super) fn choose_windows(face_count: usize, lapped: &mut LappedTexture, turn
     statistics
 }
 
-/// Pastes in the order in which they are met from one of them, over shared faces; so for each part of the surface.
-fn outwards(lists: &FaceLists, pastes: &[Paste]) -> Vec<u32> {
-    let mut met = vec![false; pastes.len()];
-    let mut order: Vec<u32> = Vec::with_capacity(pastes.len());
-    let mut looked = vec![false; lists.start.len()];
-    for first in 0..pastes.len() {
-        if std::mem::replace(&mut met[first], true) {
-            continue;
-        }
-        let mut next = order.len();
-        order.push(first as u32);
-        while let Some(&k) = order.get(next) {
-            next += 1;
-            for &face in &pastes[k as usize].faces {
-                if std::mem::replace(&mut looked[face as usize], true) {
-                    continue;
-                }
-                let others = lists.of(face).iter().map(|&(paste, _)| paste);
-                order.extend(others.filter(|&p| !std::mem::replace(&mut met[p as usize], true)));
-            }
-        }
-    }
-    order
-}
-
-/// Pastes in waves: each shares no face with one of its own wave, and those before it in the order that share one with it are
-/// in earlier waves.
-pub(super) fn waves(face_count: usize, pastes: &[Paste], order: &[u32]) -> Vec<Vec<u32>> {
-    let mut reached = vec![0_usize; face_count];
-    let mut waves: Vec<Vec<u32>> = Vec::new();
-    for &k in order {
-        let faces = &pastes[k as usize].faces;
-        let wave = faces.iter().map(|&f| reached[f as usize]).max().unwrap_or(0);
-        faces.iter().for_each(|&f| reached[f as usize] = wave + 1);
-        if wave == waves.len() {
-            waves.push(Vec::new());
-        }
-        waves[wave].push(k);
-    }
-    waves
-}
-
 impl Matcher<'_> {
     /// Where a paste meets others whose windows are known, as far as it shows.
     fn samples(&self, k: u32, shown: &[Shown], known: &[bool]) -> Vec<Sample> {
@@ -245,16 +204,15 @@ impl Matcher<'_> {
         let border = &self.borders[paste.patch as usize];
         let pitch = border.pitch;
         let size = Vec2::from(patch.mask.size().map(|s| s as f32));
-        let mut samples = Vec::new();
-        let mut marks = Vec::new();
-        for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
+        let on_face = |marks: &mut Vec<Mark>, (&face, uv): (&u32, &[Vec2; 3])| {
+            let mut samples = Vec::new();
             let [a, b, c] = uv.map(|p| p * size);
             let (low, high) = (a.min(b).min(c).max(Vec2::ZERO), a.max(b).max(c).min(size));
             let turn = (b - a).perp_dot(c - a);
             let others = || self.lists.of(face).iter().map(|e| e.0).filter(|&p| p != k && known[p as usize]);
             let bordered = others().any(|p| p > k);
             if others().next().is_none() || turn == 0.0 || !low.cmplt(high).all() {
-                continue;
+                return samples;
             }
             let [first, last] = [(low / pitch).ceil(), (high / pitch).floor()];
             for y in first.y as i32..=last.y as i32 {
@@ -267,15 +225,18 @@ impl Matcher<'_> {
                     if bary.min_element() < 0.0 {
                         continue;
                     }
-                    self.mark(face, bary, &mut marks);
+                    self.mark(face, bary, marks);
                     if let Some(own) = marks.iter().position(|m| m.paste == k) {
-                        samples.extend(self.over(shown, known, &marks, own));
-                        samples.extend(self.under(shown, known, &marks, own));
+                        samples.extend(self.over(shown, known, marks, own));
+                        samples.extend(self.under(shown, known, marks, own));
                     }
                 }
             }
-        }
-        samples
+            samples
+        };
+        let faces = paste.faces.par_iter().zip(&paste.uv).with_min_len(LEAST_FACES);
+        let found: Vec<Vec<Sample>> = faces.map_init(Vec::new, on_face).collect();
+        found.into_iter().flatten().collect()
     }
 
     /// The pastes that have alpha at a point, from the top down.
@@ -383,10 +344,9 @@ impl Matcher<'_> {
         };
         // Unturned windows and turned ones each for themselves: a turn must be worth it.
         let best = |turned: bool| {
-            let mut best: Vec<(f64, Shown)> = Vec::new();
-            for &turn in ways.first().iter().filter(|t| (**t != Turn::NONE) == turned) {
+            let at_turn = |(turn, [low, high]): (Turn, [Vec2; 2])| {
+                let mut best = Vec::new();
                 let points = on(coarsest, turn, &coarse);
-                let [low, high] = ways.room(turn)?;
                 let step = Vec2::ONE / levels[coarsest].scale;
                 let count = ((high - low) / step).ceil().max(Vec2::ONE);
                 for (x, y) in (0..count.y as u32).flat_map(|y| (0..count.x as u32).map(move |x| (x, y))) {
@@ -394,11 +354,14 @@ impl Matcher<'_> {
                     let error = points.error(offset, worst(&best));
                     keep(&mut best, error, Shown { turn, offset });
                 }
-            }
+                best
+            };
+            let turns = ways.first().par_iter().filter(|t| (**t != Turn::NONE) == turned).filter_map(|&t| Some((t, ways.room(t)?)));
+            let mut best = best_of(turns.map(at_turn).collect());
             for number in (0..coarsest).rev() {
                 let step = Vec2::ONE / levels[number].scale;
-                let mut next = Vec::new();
-                for &(_, around) in &best {
+                let beside = |&(_, around): &(f64, Shown)| {
+                    let mut next = Vec::new();
                     for turn in ways.beside(around.turn, coarsest - number).filter(|t| (*t != Turn::NONE) == turned) {
                         let Some([low, high]) = ways.room(turn) else { continue };
                         let points = on(number, turn, &fine);
@@ -415,15 +378,16 @@ impl Matcher<'_> {
                             }
                         }
                     }
-                }
-                best = next;
+                    next
+                };
+                best = best_of(best.par_iter().map(beside).collect());
             }
             let found = best.first()?.1;
             Some((on(0, found.turn, &fine).error(found.offset, f64::INFINITY), found))
         };
         let at_rest = on(0, Turn::NONE, &fine).error(Vec2::ZERO, f64::INFINITY);
         let weight: f64 = fine.iter().map(|s| f64::from(s.weight)).sum();
-        let (error, now) = match (best(false), best(true)) {
+        let (error, now) = match rayon::join(|| best(false), || best(true)) {
             (Some(straight), Some(turned)) if turned.0 < TURN_WORTH * straight.0 => turned,
             (Some(straight), _) => straight,
             (None, turned) => turned.unwrap_or((at_rest, Shown { turn: Turn::NONE, offset: Vec2::ZERO })),
@@ -485,6 +449,17 @@ fn spread(samples: &[Sample], most: usize) -> Vec<&Sample> {
 /// The error from which on a window is none of the best few.
 fn worst(best: &[(f64, Shown)]) -> f64 {
     best.get(KEPT - 1).map_or(f64::INFINITY, |&(error, _)| error)
+}
+
+/// The best few of several lists; of equal ones those that come first.
+fn best_of(lists: Vec<Vec<(f64, Shown)>>) -> Vec<(f64, Shown)> {
+    let mut best: Vec<(f64, Shown)> = Vec::new();
+    for (error, shown) in lists.into_iter().flatten() {
+        if best.iter().all(|&(_, other)| other != shown) {
+            keep(&mut best, error, shown);
+        }
+    }
+    best
 }
 
 /// Keeps the best few, best first.

@@ -34,7 +34,7 @@ use super::lapped::{FaceLists, LappedTexture};
 use super::levels::Level;
 use super::order::{EdgesByFace, HardEdge, shown_edges};
 use super::stencil::Stencil;
-use super::window::waves;
+use super::waves::{LEAST_FACES, waves};
 use crate::exemplar::{ChannelSet, CoverageMask, Exemplar, TexturePatch};
 use crate::mesh::Mesh;
 use glam::{Vec2, Vec3};
@@ -243,24 +243,30 @@ impl<'a> Matcher<'a> {
         let first = if self.shown[k as usize].is_empty() { SHALLOW } else { 0 };
         let mut compared = Comparison { error: vec![[0.0; 2]; GRID * GRID], least: [0.0; CUT_STEPS], first, hard: Vec::new() };
         let mut any = false;
-        let mut below = Vec::new();
         let deepest = distance(first) - 4.0 / GRID as f32;
-        for (&face, uv) in paste.faces.iter().zip(&paste.uv) {
+        let on_face = |below: &mut Vec<f32>, (&face, uv): (&u32, &[Vec2; 3])| {
             let list = self.lists.of(face);
             let own = list.partition_point(|&(paste, _)| paste < k);
-            for (at, bary) in cells(uv) {
-                let (cell, place) = (cell_of(at) as usize, Cut::place(at));
-                if plan.alpha[cell] <= 0.0 || place.1 < deepest {
-                    continue;
+            let on_cell = |(at, bary)| {
+                let (cell, place) = (cell_of(at), Cut::place(at));
+                if plan.alpha[cell as usize] <= 0.0 || place.1 < deepest {
+                    return None;
                 }
-                let [covered, least] = self.below(&list[..own], bary, cuts, &mut below);
+                let [covered, least] = self.below(&list[..own], bary, cuts, below);
                 if least < COVERED {
-                    compared.keep_inside(place);
-                    continue;
+                    return Some((cell, place, None));
                 }
-                any = true;
                 let weight = self.seen(list, own, bary);
-                compared.error[cell] = [weight * self.difference(list[own], bary, covered, &below), weight];
+                Some((cell, place, Some([weight * self.difference(list[own], bary, covered, below), weight])))
+            };
+            cells(uv).filter_map(on_cell).collect()
+        };
+        let faces = paste.faces.par_iter().zip(&paste.uv).with_min_len(LEAST_FACES);
+        let found: Vec<Vec<_>> = faces.map_init(Vec::new, on_face).collect();
+        for (cell, place, error) in found.into_iter().flatten() {
+            match error {
+                None => compared.keep_inside(place),
+                Some(error) => (any, compared.error[cell as usize]) = (true, error),
             }
         }
         if any {

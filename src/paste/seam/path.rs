@@ -5,6 +5,9 @@
 use super::super::cut::CUT_STEPS;
 use super::{CLIMB, Comparison, FLOOR, HARD, Plan, RINGS, RISE, distance};
 
+/// Rings that are looked at together; all are a multiple.
+const LANES: usize = 8;
+
 /// A closed path.
 pub(super) struct Path {
     /// A ring per way.
@@ -49,30 +52,55 @@ pub(super) fn shortest(plan: &Plan, compared: &Comparison) -> Path {
 /// ways passed.
 fn around(cost: &[[f32; RINGS]], first: usize, times: usize, ends: Option<usize>) -> Vec<usize> {
     let length: [f32; CLIMB + 1] = std::array::from_fn(|climb| (1.0 + (climb as f32 * RISE).powi(2)).sqrt() * 0.5);
-    let mut total: [f32; RINGS] = std::array::from_fn(|ring| if ends.is_none_or(|e| e == ring) { 0.0 } else { f32::INFINITY });
-    let mut before = cost[0];
+    let start: [f32; RINGS] = std::array::from_fn(|ring| if ends.is_none_or(|e| e == ring) { 0.0 } else { f32::INFINITY });
+    let (mut total, mut before) = (with_margins(&start), with_margins(&cost[0]));
+    // The step up from the last ring, counted from the steepest down.
     let mut from: Vec<[u8; RINGS]> = Vec::with_capacity(times * CUT_STEPS);
     for way in 1..=times * CUT_STEPS {
-        let here = cost[way % CUT_STEPS];
+        let here = &cost[way % CUT_STEPS];
         let (mut next, mut came) = ([f32::INFINITY; RINGS], [0; RINGS]);
-        for ring in first..RINGS {
-            for last in ring.saturating_sub(CLIMB).max(first)..=(ring + CLIMB).min(RINGS - 1) {
-                let sum = total[last] + length[ring.abs_diff(last)] * (before[last] + here[ring]);
-                if sum < next[ring] {
-                    (next[ring], came[ring]) = (sum, last as u8);
-                }
-            }
+        for block in first / LANES..RINGS / LANES {
+            let rings = block * LANES..(block + 1) * LANES;
+            let (sums, steps) = cheapest_steps(&total[rings.start..], &before[rings.start..], &here[rings.clone()], &length);
+            next[rings.clone()].copy_from_slice(&sums);
+            came[rings].copy_from_slice(&steps);
         }
-        (total, before) = (next, here);
+        (total, before) = (with_margins(&next), with_margins(here));
         from.push(came);
     }
-    let cheapest = || (first..RINGS).rev().min_by(|&a, &b| total[a].total_cmp(&total[b])).unwrap_or(RINGS - 1);
+    let cheapest = || (first..RINGS).rev().min_by(|&a, &b| total[CLIMB + a].total_cmp(&total[CLIMB + b])).unwrap_or(RINGS - 1);
     let mut rings = vec![ends.unwrap_or_else(cheapest)];
     for came in from.iter().rev() {
-        rings.push(usize::from(came[rings[rings.len() - 1]]));
+        let ring = rings[rings.len() - 1];
+        rings.push((ring + usize::from(came[ring])).saturating_sub(CLIMB));
     }
     rings.reverse();
     rings
+}
+
+/// For [`LANES`] rings next to each other, what the cheapest step to each costs in all, and which it is, from the steepest down.
+/// `total` and `before` begin [`CLIMB`] rings below them.
+fn cheapest_steps(total: &[f32], before: &[f32], here: &[f32], length: &[f32; CLIMB + 1]) -> ([f32; LANES], [u8; LANES]) {
+    let (mut least, mut steps) = ([f32::INFINITY; LANES], [0.0_f32; LANES]);
+    for step in 0..=2 * CLIMB {
+        let length = length[step.abs_diff(CLIMB)];
+        let (total, before) = (&total[step..][..LANES], &before[step..][..LANES]);
+        // Without a branch, and with numbers of one width: compiled to a few instructions for several rings.
+        for lane in 0..LANES {
+            let sum = total[lane] + length * (before[lane] + here[lane]);
+            let less = sum < least[lane];
+            least[lane] = if less { sum } else { least[lane] };
+            steps[lane] = if less { step as f32 } else { steps[lane] };
+        }
+    }
+    (least, steps.map(|step| step as u8))
+}
+
+/// Nothing beyond the first and last rings.
+fn with_margins(rings: &[f32; RINGS]) -> [f32; RINGS + 2 * CLIMB] {
+    let mut out = [f32::INFINITY; RINGS + 2 * CLIMB];
+    out[CLIMB..CLIMB + RINGS].copy_from_slice(rings);
+    out
 }
 
 #[cfg(test)]
