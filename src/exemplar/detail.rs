@@ -8,7 +8,7 @@
 //!
 //! A base times detail over [`DETAIL`] is the colour that is seen; over the slow part it is the exemplar.
 
-use super::slow::Slow;
+use super::slow::{CLIPPED, Slow};
 use super::{Channel, Exemplar, Image};
 use glam::Vec3;
 
@@ -24,6 +24,16 @@ pub struct Slowly {
     pub slow: Image,
     /// Share of the pixels whose detail is too bright for an image and was clipped.
     pub clipped: f32,
+}
+
+impl Slowly {
+    /// What it cost, to go on after the exemplar's name, if that is worth telling.
+    #[must_use]
+    pub fn told(&self) -> Option<String> {
+        let clipped = 100.0 * self.clipped;
+        let text = || format!("{clipped:.0} % of its detail is over four times as bright as what lies around it, and was clipped");
+        (self.clipped > CLIPPED).then(text)
+    }
 }
 
 /// Leaves an exemplar the detail of its base colour, of each frame by itself; returns the slow part of the first. Its other channels

@@ -7,7 +7,7 @@
 //! 1. The light: slow changes ([`slow`](super::slow)) of luminance.
 //! 2. Every pixel of the base colour times the mean light over its own.
 
-use super::slow::Slow;
+use super::slow::{CLIPPED, Slow};
 use super::{Channel, Exemplar};
 use glam::Vec3;
 
@@ -23,6 +23,16 @@ pub struct Evened {
     pub varied: f32,
     /// Share of the pixels whose colour became too bright for the image and was clipped.
     pub clipped: f32,
+}
+
+impl Evened {
+    /// What was done, to go on after the exemplar's name; and what it cost, if that is worth telling.
+    #[must_use]
+    pub fn told(&self) -> (String, Option<String>) {
+        let cost = || format!("with its light evened out {:.0} % of it became too bright, and was clipped", 100.0 * self.clipped);
+        let done = format!("its light varied by {:.0} %, and was evened out", 100.0 * self.varied);
+        (done, (self.clipped > CLIPPED).then(cost))
+    }
 }
 
 /// Takes slow changes of light out of an exemplar's base colour, of each frame by itself. Its other channels stay as they are, and what

@@ -21,6 +21,9 @@ const END: f64 = 3.0;
 /// How much a plane is held level, as a share of the window's weight: decides where the window holds too few pixels for one.
 const LEVEL: f64 = 1e-6;
 
+/// Share of clipped pixels from which on it is worth telling.
+pub(super) const CLIPPED: f32 = 0.005;
+
 /// The level of an image of an exemplar whose slow changes are looked for.
 pub(super) struct Slow<'a> {
     small: &'a Image,

@@ -2,20 +2,19 @@
 
 use super::bake::at_corners;
 use super::error::JobError;
-use crate::exemplar::{Exemplar, Image, Slowly, take_detail};
+use crate::exemplar::{Exemplar, Image, take_detail};
 use crate::field::Guide;
 use crate::format::Model;
 use crate::mesh::Mesh;
 use crate::mesh::clean::UserFace;
 use crate::paste::{BaseColor, LappedTexture, base_color, own_base};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
-/// A warning is due from this share of clipped pixels on.
-const CLIPPED: f32 = 0.005;
-
-/// What detail lies over.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+/// What detail lies over. Written as it is read: `own`, `vertex`, `#8a5a3c`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Base {
     /// What is slow in the exemplars themselves, made smooth across pastes.
     #[default]
@@ -37,6 +36,20 @@ impl FromStr for Base {
                 .map(|c| Self::Color(c.map(crate::exemplar::srgb::decode)))
                 .ok_or_else(|| "give own, vertex, or a colour like #8a5a3c".to_owned()),
         }
+    }
+}
+
+impl TryFrom<String> for Base {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
+impl From<Base> for String {
+    fn from(base: Base) -> Self {
+        base.to_string()
     }
 }
 
@@ -66,23 +79,17 @@ impl Base {
     ///
     /// # Errors
     /// If it asks for vertex colours and there are none.
-    pub(super) fn check(self, model: &Model) -> Result<(), JobError> {
+    pub fn check(self, model: &Model) -> Result<(), JobError> {
         if self == Self::Vertex && model.colors.is_none() { Err(JobError::NoBase) } else { Ok(()) }
     }
 }
 
-/// Leaves exemplars their detail; returns the slow part of each.
-pub(super) fn split(exemplars: &mut [Exemplar], warnings: &mut Vec<String>) -> Vec<Image> {
+/// Leaves exemplars their detail; returns the slow part of each, which [`Laid::add_base`](super::Laid::add_base) asks for.
+pub fn split(exemplars: &mut [Exemplar], warnings: &mut Vec<String>) -> Vec<Image> {
     let one = |exemplar: &mut Exemplar| {
-        let Slowly { slow, clipped } = take_detail(exemplar);
-        if clipped > CLIPPED {
-            warnings.push(format!(
-                "{}: {:.0} % of its detail is over four times as bright as what lies around it, and was clipped",
-                exemplar.name,
-                100.0 * clipped
-            ));
-        }
-        slow
+        let slowly = take_detail(exemplar);
+        warnings.extend(slowly.told().map(|text| format!("{}: {text}", exemplar.name)));
+        slowly.slow
     };
     exemplars.iter_mut().map(one).collect()
 }

@@ -29,7 +29,7 @@ pub mod synth;
 
 pub use area::{Area, AreaError, Where};
 pub use bake::{BakeJob, BakeReport, BakedModel, Coordinates, bake_model, bake_record, bake_record_sized};
-pub use base::Base;
+pub use base::{Base, split};
 pub use beside::{Beside, Synthesis};
 pub use bind::Bound;
 pub use directions::Direction;

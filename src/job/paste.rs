@@ -6,14 +6,14 @@
 //! 4. Paste; detail alone if it is to lie over a base.
 //! 5. Bring the pastes back onto the model's own faces.
 
-use super::base::{of_mesh, of_vertices, split};
+use super::base::{Base, of_mesh, of_vertices, split};
 use super::bind::Outgoing;
 use super::error::JobError;
 use super::guide::{Guided, difficulty, guided};
 use super::input::{ExemplarInput, PasteJob};
 use super::patches::cut_patches;
 use super::report::JobReport;
-use crate::exemplar::{Exemplar, TexturePatch};
+use crate::exemplar::{Exemplar, Image, TexturePatch};
 use crate::field::Guide;
 use crate::format::{Model, Record};
 use crate::mesh::subdivide::Subdivision;
@@ -58,11 +58,7 @@ pub fn paste_model(model: &Model, inputs: Vec<ExemplarInput>, job: &PasteJob, pr
     laid.report.warnings = warnings;
     if let Some((base, slow)) = slow {
         progress.stage("smoothing the base", 0);
-        let (mesh, out) = (laid.mesh(&cleaned), Outgoing::new(model, &cleaned, laid.fine.as_ref()));
-        let painted = || of_vertices(&out.model, mesh, &out.faces);
-        let base = of_mesh(base, (mesh, &laid.guide), &laid.lapped, slow, painted);
-        let pastes = laid.lapped.pastes.len() as u32;
-        laid.lapped.layers = vec![Layer { pastes, base, ..Layer::default() }];
+        laid.add_base(base, slow, model, &cleaned);
     }
     let record = laid.record(model, &cleaned);
     let mesh = laid.fine.map_or(cleaned.mesh, |f| f.mesh);
@@ -100,6 +96,15 @@ impl Laid {
     #[must_use]
     pub fn mesh<'a>(&'a self, cleaned: &'a Cleaned) -> &'a Mesh {
         self.fine.as_ref().map_or(&cleaned.mesh, |f| &f.mesh)
+    }
+
+    /// Lays its pastes, which are detail alone, over a base; `slow` is what [`split`] took out of each exemplar.
+    pub fn add_base(&mut self, base: Base, slow: Vec<Image>, model: &Model, cleaned: &Cleaned) {
+        let (mesh, out) = (self.mesh(cleaned), Outgoing::new(model, cleaned, self.fine.as_ref()));
+        let painted = || of_vertices(&out.model, mesh, &out.faces);
+        let base = of_mesh(base, (mesh, &self.guide), &self.lapped, slow, painted);
+        let pastes = self.lapped.pastes.len() as u32;
+        self.lapped.layers = vec![Layer { pastes, base, ..Layer::default() }];
     }
 
     /// Where its pastes began, on another subdivision of the same clean mesh.

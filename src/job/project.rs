@@ -5,6 +5,7 @@
 //! fingerprint tells when a named file has changed since. Files in the project's own folder and below are named from there,
 //! so that a folder may be moved as a whole. `docs/formats.md` describes the keys.
 
+use super::base::Base;
 use super::beside::Synthesis;
 use super::input::{ExemplarInput, PasteJob, Scale, Steer};
 use crate::exemplar::symmetry::exemplar_symmetry;
@@ -176,6 +177,12 @@ pub struct Project {
     /// With `windows`, contrast is kept where pastes fade.
     #[serde(skip_serializing_if = "is_off")]
     pub contrast: bool,
+    /// Slow changes of light are taken out of the exemplars.
+    #[serde(skip_serializing_if = "is_off")]
+    pub equalize: bool,
+    /// What the exemplars' detail alone lies over; absent: they are pasted as they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base: Option<Base>,
     /// Seed of all random choices.
     pub seed: u64,
     /// The synthesis that the pastes are compared with.
@@ -203,6 +210,8 @@ impl Default for Project {
             windows: true,
             small: false,
             contrast: false,
+            equalize: false,
+            base: None,
             seed: 1,
             synthesis: Synthesis::default(),
             view: None,
@@ -319,6 +328,7 @@ impl Project {
             steer: self.steer(first),
             keep_faces: self.keep_faces,
             feather: self.feather,
+            base: self.base,
             patches: PatchOptions { seed: self.seed, splotches: self.splotches, ..PatchOptions::default() },
             paste: if self.windows { paste } else { paste.plain() },
             ..PasteJob::default()
@@ -401,6 +411,8 @@ mod tests {
             },
             feather: Some(2.5),
             small: true,
+            equalize: true,
+            base: Some("#8a5a3c".parse().expect("a colour")),
             synthesis: Synthesis { exemplar: 1, vertices: 20_000, seed: 9 },
             view: Some(ProjectView { turn: [0.1, -0.3], at: [1.0, 2.0, 1.0 / 3.0], distance: 4.0, z_up: true }),
             ..Project::default()
@@ -416,6 +428,16 @@ mod tests {
         assert_eq!(switches(&Project::default()), (false, false), "nobody asked");
         let written = |p: &Project| serde_json::to_value(p).expect("JSON").as_object().map(|o| o.contains_key("small"));
         assert_eq!([&on, &Project::default()].map(written), [Some(true), Some(false)], "older versions read projects without them");
+    }
+
+    #[test]
+    fn a_base_reaches_the_job_and_is_written_as_the_command_line_has_it() {
+        for text in ["own", "vertex", "#8a5a3c"] {
+            let over = Project { base: Some(text.parse().expect("a base")), ..Project::default() };
+            assert_eq!(over.job(None).base, over.base, "{text}");
+            assert_eq!(serde_json::to_value(&over).expect("JSON")["base"], text);
+        }
+        assert!(serde_json::from_str::<Project>("{\"base\": \"mud\"}").is_err(), "no base");
     }
 
     #[test]

@@ -4,11 +4,11 @@
 //! their images on the device from the [`Kitchen`].
 
 use super::library::{Library, OpenError, OpenModel};
-use crate::exemplar::{CoverageMask, Exemplar, TexturePatch};
+use crate::exemplar::{CoverageMask, Exemplar, Image, TexturePatch, equalize};
 use crate::field::{Guide, TangentField};
 use crate::format::{FormatError, Record};
 use crate::job::project::{Direction, ProjectExemplar};
-use crate::job::{Draft, Drafts, JobError, JobReport, Laid, Project, Steer, cut_patches, lay_with_draft};
+use crate::job::{Draft, Drafts, JobError, JobReport, Laid, Project, Steer, cut_patches, lay_with_draft, split};
 use crate::mesh::Mesh;
 use crate::paste::{LappedTexture, PasteError};
 use crate::progress::Progress;
@@ -131,6 +131,9 @@ struct Recipe {
     splotches: u32,
     seed: u64,
     windows: bool,
+    equalize: bool,
+    /// Without what is slow in them.
+    detail: bool,
 }
 
 /// Texture patches, ready.
@@ -138,6 +141,8 @@ struct Recipe {
 struct Cut {
     recipe: Recipe,
     exemplars: Vec<Exemplar>,
+    /// What was taken out of each, if only their detail is left.
+    slow: Vec<Image>,
     patches: Vec<TexturePatch>,
     masks: Arc<[CoverageMask]>,
     warnings: Vec<String>,
@@ -160,6 +165,8 @@ impl Kitchen {
             splotches: project.splotches,
             seed: project.seed,
             windows: project.windows,
+            equalize: project.equalize,
+            detail: project.base.is_some(),
         };
         let mut kept = self.cut.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(cut) = kept.as_ref().filter(|cut| cut.recipe == recipe) {
@@ -170,14 +177,20 @@ impl Kitchen {
         for wanted in &project.exemplars {
             let read = library.exemplar(&wanted.link)?;
             warnings.extend(read.told.iter().cloned());
-            inputs.push(wanted.input(read.exemplar.clone())?);
+            let mut exemplar = read.exemplar.clone();
+            if project.equalize {
+                let (done, cost) = equalize(&mut exemplar).told();
+                warnings.extend([Some(done), cost].into_iter().flatten().map(|text| format!("{}: {text}", exemplar.name)));
+            }
+            inputs.push(wanted.input(exemplar)?);
         }
-        let (exemplars, patches) = cut_patches(inputs, &project.job(None), &mut warnings)?;
+        let (mut exemplars, patches) = cut_patches(inputs, &project.job(None), &mut warnings)?;
+        let slow = if project.base.is_some() { split(&mut exemplars, &mut warnings) } else { Vec::new() };
         let textures = Arc::new(renderer.load_patches(&exemplars, &patches)?);
         warnings.extend(textures.warnings().iter().cloned());
         let masks = patches.iter().map(CoverageMask::new).collect();
         let own_steer = OnceLock::new();
-        let cut = Arc::new(Cut { recipe, exemplars, patches, masks, warnings, textures, own_steer });
+        let cut = Arc::new(Cut { recipe, exemplars, slow, patches, masks, warnings, textures, own_steer });
         *kept = Some(Arc::clone(&cut));
         Ok(cut)
     }
@@ -214,8 +227,11 @@ pub fn build(
     let Some(link) = &project.model else { return Ok(None) };
     progress.stage("reading the model", 0);
     let open = library.model(link)?;
-    let shown = |laid: Option<Laid>, cut: Option<&Cut>, draft: Option<Draft>| -> Result<Shown, BuildError> {
+    let shown = |mut laid: Option<Laid>, cut: Option<&Cut>, draft: Option<Draft>| -> Result<Shown, BuildError> {
         progress.stage("preparing the picture", 0);
+        if let (Some(laid), Some(cut), Some(base)) = (&mut laid, cut, project.base) {
+            laid.add_base(base, cut.slow.clone(), &open.model, &open.cleaned);
+        }
         let mesh = laid.as_ref().map_or(&open.cleaned.mesh, |laid| laid.mesh(&open.cleaned));
         let stage = Stage::new(mesh, &DrawOptions::default());
         let nothing = LappedTexture::default();
@@ -238,6 +254,7 @@ pub fn build(
     if project.exemplars.is_empty() {
         return shown(None, None, None).map(Some);
     }
+    project.base.map_or(Ok(()), |base| base.check(&open.model))?;
     progress.stage("cutting texture patches", 0);
     let cut = kitchen.cut(project, library, renderer)?;
     let mut job = project.job(None);

@@ -121,6 +121,14 @@ fn an_exemplar_that_changes_is_pasted_drawn_at_a_moment_and_played() {
     let red: Vec<bool> = place.files("out/play").iter().map(|f| colours(&format!("out/play/{f}"))).map(|[r, b]| r > b).collect();
     assert_eq!(red, [true, true, true, true, false, false, false, false], "24 pictures a second, six frames a second");
 
+    // A job file says the same, as numbers.
+    let job = "[[region]]\nexemplar = \"sheet.png\"\nratio = 6\nsprites = \"2x1\"\nfps = 6\n";
+    std::fs::write(place.path("job.toml"), job).unwrap();
+    let by_job = place.run(&["paste", "mesh.obj", "--job", "job.toml", "-o", "out/j.glb", "--no-bake"]);
+    assert!(by_job.status.success(), "{}", text(&by_job.stderr));
+    let [flags, file] = ["out/b.glb", "out/j.glb"].map(|f| lapped::format::read_record(&place.path(f)).unwrap().lapped);
+    assert_eq!(file.exemplars[0].frames(), flags.exemplars[0].frames(), "two frames, a sixth of a second each");
+
     // By view there is nothing to play.
     assert!(paste("out/v.glb", &["--frames", "view"]).status.success(), "the same cells by view");
     for (model, extra) in [("out/v.glb", &["--play"][..]), ("mesh.obj", &["--time", "1"])] {

@@ -104,9 +104,46 @@ fn smaller_patches_are_laid_and_taken_back_by_a_switch_that_plain_pastes_lack() 
 
 #[test]
 #[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
+fn light_is_evened_out_and_detail_laid_over_a_base_by_what_is_chosen() {
+    let mut bench = Bench::new(SMALL, 1.0);
+    bench.begin("knot", "bricks");
+    let lapped = |bench: &Bench| bench.app().shown().unwrap().lapped().unwrap().clone();
+    let first = lapped(&bench);
+    let light = |bench: &mut Bench| {
+        bench.harness.get_by_role_and_label(egui::accesskit::Role::CheckBox, "even out light").click();
+        bench.settle();
+    };
+    light(&mut bench);
+    assert_ne!(lapped(&bench).exemplars, first.exemplars, "other pixels");
+    assert!(bench.app().shown().unwrap().told.iter().any(|t| t.contains("its light varied by")), "and it is told");
+    light(&mut bench);
+    assert_eq!(lapped(&bench), first, "as it was");
+    let choose = |bench: &mut Bench, base: &str| {
+        bench.harness.get_by_role_and_label(egui::accesskit::Role::ComboBox, "exemplars").click();
+        bench.harness.run_steps(3);
+        bench.harness.get_by_role_and_label(egui::accesskit::Role::Button, base).click();
+        bench.settle();
+    };
+    choose(&mut bench, "over their own colours");
+    let own = lapped(&bench);
+    assert_ne!(own.exemplars, first.exemplars, "detail alone");
+    assert_eq!(own.layers[0].base.len(), bench.app().shown().unwrap().mesh().face_count(), "on every face");
+    bench.picture("base-own");
+    choose(&mut bench, "over one colour");
+    bench.picture("base-colour");
+    let plain = lapped(&bench);
+    assert!(plain.layers[0].base.iter().flatten().all(|c| *c == plain.layers[0].base[0][0]), "one colour");
+    assert_eq!(plain.exemplars, own.exemplars, "the same detail");
+    choose(&mut bench, "pasted as they are");
+    assert_eq!(lapped(&bench), first, "and nothing is left of it");
+}
+
+#[test]
+#[ignore = "needs a graphics adapter, software will do: cargo test --test viewer -- --include-ignored"]
 fn a_saved_project_opens_as_it_was_to_the_last_paste() {
     let mut bench = Bench::new(SMALL, 1.0);
     bench.begin("vase", "bricks");
+    bench.app_mut().edit("base", |p| p.base = Some("#8a5a3c".parse().unwrap()));
     bench.app_mut().edit("seed", |p| p.seed = 4);
     bench.app_mut().edit("feather", |p| p.feather = Some(7.3));
     bench.app_mut().viewport.orbit.turn(80.0, 30.0);

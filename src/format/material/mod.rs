@@ -14,7 +14,7 @@ mod set;
 use super::error::{FormatError, Problem, Warning};
 use super::picture::{Picture, Transfer, decode};
 use super::read_file;
-use crate::exemplar::{Channel, Evened, Exemplar, Image, MipChain, Wrap, equalize};
+use crate::exemplar::{Channel, Exemplar, Image, MipChain, Wrap, equalize};
 pub use frames::{FRAMES_PER_SECOND, FrameOptions, FrameSource};
 use glam::{Vec2, Vec3};
 use image::ImageFormat;
@@ -22,9 +22,6 @@ use names::Role;
 use set::{Found, find};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// Share of clipped pixels from which on it is worth telling.
-const CLIPPED: f32 = 0.01;
 
 /// Which way the second component of a normal map points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
@@ -92,11 +89,10 @@ pub fn read_exemplar(path: &Path, options: &ExemplarOptions) -> Result<(Exemplar
     let keeps_opacity = found.files.contains_key(&Role::Channel(Channel::Opacity));
     let mut exemplar = frames::add(exemplar, pictures, base, options, keeps_opacity, &mut warnings)?;
     if options.equalize {
-        let Evened { varied, clipped } = equalize(&mut exemplar);
-        note(&mut warnings, base, &format!("its light varied by {:.0} %, and was evened out", 100.0 * varied));
-        if clipped > CLIPPED {
-            let text = format!("with its light evened out {:.0} % of it became too bright, and was clipped", 100.0 * clipped);
-            warn(&mut warnings, base, &text);
+        let (done, cost) = equalize(&mut exemplar).told();
+        note(&mut warnings, base, &done);
+        if let Some(cost) = cost {
+            warn(&mut warnings, base, &cost);
         }
     }
     Ok((exemplar, warnings))

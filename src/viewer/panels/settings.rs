@@ -4,15 +4,18 @@ use super::super::action::Action;
 use super::super::app::App;
 use super::super::synth;
 use super::menu::shortened;
-use crate::exemplar::Exemplar;
-use crate::job::Link;
+use crate::exemplar::{Exemplar, srgb};
 use crate::job::project::{Direction, ProjectExemplar, Shape, Size};
+use crate::job::{Base, Link};
 use egui::{Checkbox, ComboBox, DragValue, Image, RichText, ScrollArea, Sense, Slider, Ui, vec2};
+use glam::Vec3;
 
 /// The longest name that is shown whole, letters.
 const NAME: usize = 26;
 /// Surface area over exemplar area that the slider spans.
 const RATIOS: std::ops::RangeInclusive<f64> = 2.0..=600.0;
+/// The colour that detail lies over before another is chosen, a grey as in files.
+const PLAIN: u8 = 137;
 /// Side of an exemplar's small picture, points.
 const PICTURE: f32 = 44.0;
 
@@ -297,6 +300,16 @@ fn patches(app: &mut App, ui: &mut Ui) {
         }
         ui.end_row();
 
+        ui.label("");
+        let hint = "Takes slow changes of light out of the exemplars: for photographs that are lit from one side, or darker towards their corners";
+        let mut equalize = project.equalize;
+        if ui.checkbox(&mut equalize, "even out light").on_hover_text(hint).changed() {
+            app.edit("light", |p| p.equalize = equalize);
+        }
+        ui.end_row();
+
+        base(app, ui, project.base);
+
         let label = ui.label("seed");
         let mut seed = project.seed;
         ui.horizontal(|ui| {
@@ -309,6 +322,44 @@ fn patches(app: &mut App, ui: &mut Ui) {
         });
         ui.end_row();
     });
+}
+
+/// What the exemplars' detail lies over, if only that is pasted: a row, and one more for a colour.
+fn base(app: &mut App, ui: &mut Ui, now: Option<Base>) {
+    let name = |base: Option<Base>| match base {
+        None => "pasted as they are",
+        Some(Base::Own) => "over their own colours",
+        Some(Base::Vertex) => "over vertex colours",
+        Some(Base::Color(_)) => "over one colour",
+    };
+    let painted = app.shown().is_some_and(|shown| shown.open.model.colors.is_some());
+    let choices = [None, Some(Base::Own), painted.then_some(Base::Vertex), Some(Base::Color(decoded([PLAIN; 3])))];
+    let hint = "Exemplars as they are bring their slow changes of colour to every paste. Over a base only their detail is pasted: over those \
+                changes made smooth across the surface, the colours of the model's vertices, or one colour";
+    let label = ui.label("exemplars");
+    let combo = ComboBox::from_id_salt("base").selected_text(name(now)).width(150.0).show_ui(ui, |ui| {
+        for base in choices.into_iter().enumerate().filter(|(k, base)| *k == 0 || base.is_some()).map(|(_, base)| base) {
+            if ui.selectable_label(name(now) == name(base), name(base)).clicked() && name(now) != name(base) {
+                app.edit("base", |p| p.base = base);
+                app.document.end_gesture();
+            }
+        }
+    });
+    combo.response.labelled_by(label.id).on_hover_text(hint);
+    ui.end_row();
+    if let Some(Base::Color(color)) = now {
+        ui.label("");
+        let mut bytes = color.to_array().map(srgb::to_byte);
+        if ui.color_edit_button_srgb(&mut bytes).on_hover_text("The colour that detail lies over").changed() {
+            app.edit("base colour", |p| p.base = Some(Base::Color(decoded(bytes))));
+        }
+        ui.end_row();
+    }
+}
+
+/// A colour as in files, linear.
+fn decoded(bytes: [u8; 3]) -> Vec3 {
+    bytes.map(|byte| srgb::decode(f32::from(byte) / 255.0)).into()
 }
 
 /// The smallest side of the exemplars that are read, pixels.
