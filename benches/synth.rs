@@ -146,6 +146,22 @@ fn growth(wanted: &[String]) {
     }
 }
 
+/// Image files brought to `side` pixels as comparisons bring their exemplars, written beside the working directory as PNG.
+fn brought_to(side: u32, files: &[String]) {
+    for file in files {
+        let options = ExemplarOptions { alone: true, ..ExemplarOptions::default() };
+        let (exemplar, _) = read_exemplar(Path::new(file), &options).expect("an exemplar");
+        write_exemplar(file, &prepared(&exemplar, Some(side), None));
+    }
+}
+
+/// Writes what an image file was brought to.
+fn write_exemplar(file: &str, exemplar: &Exemplar) {
+    let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
+    let image = exemplar.channel(lapped::exemplar::Channel::BaseColor).expect("colour").finest();
+    save_image(Path::new(&format!("{stem}-exemplar.png")), image).expect("a picture");
+}
+
 /// Flat grids of `side` x `side` vertices from image files; the results are written beside the working directory as PNG.
 fn grids(side: usize, files: &[String]) {
     for file in files {
@@ -178,11 +194,7 @@ fn grids(side: usize, files: &[String]) {
         });
         let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
         save_image(Path::new(&format!("{stem}-lapped.png")), &image).expect("a picture");
-        save_image(
-            Path::new(&format!("{stem}-exemplar.png")),
-            exemplar.channel(lapped::exemplar::Channel::BaseColor).expect("colour").finest(),
-        )
-        .expect("a picture");
+        write_exemplar(file, &exemplar);
         assert!(made.places.iter().all(|p| matches!(p, Place::Pixel(_))), "an image's places are pixels");
     }
 }
@@ -205,6 +217,7 @@ fn main() {
     let args: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     match args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["grid", side, ..] => grids(side.parse().expect("a number of vertices"), &args[2..]),
+        ["exemplars", side, ..] => brought_to(side.parse().expect("a number of pixels"), &args[2..]),
         ["measure", image, of] => image_measures(image, of),
         ["large", ..] => growth(&args[1..]),
         _ => figure_7(&args),

@@ -11,7 +11,7 @@
 
 use super::mask::{self, CutOut, OPAQUE};
 use super::outline::{self, Outline};
-use super::splotch::splotch;
+use super::splotch::{Fill, splotch};
 use super::{Channel, Exemplar, ExemplarError, Hull, Image, MipChain, TexturePatch, Wrap};
 use crate::random::Random;
 use glam::{IVec2, Vec2};
@@ -124,11 +124,13 @@ pub struct PatchOptions {
     pub splotches: u32,
     /// Share of the exemplar's sides that splotches leave free, so that other parts of it can show under them.
     pub room: f32,
+    /// Splotches fill more of the exemplar, and are less irregular: for pastes whose borders are moved away from their outlines.
+    pub full: bool,
 }
 
 impl Default for PatchOptions {
     fn default() -> Self {
-        Self { feather: 3.0, seed: 0, splotches: 3, room: 0.0 }
+        Self { feather: 3.0, seed: 0, splotches: 3, room: 0.0, full: false }
     }
 }
 
@@ -222,7 +224,8 @@ fn cuts(
             .map(|k| {
                 let mut random = Random::new(options.seed, SPLOTCH_STREAM + (stream << 16) + u64::from(k));
                 let free = (ground.size() * options.room * 0.5).floor() + 0.5;
-                let points = splotch(free, ground.size() - free, options.feather, &mut random);
+                let fill = if options.full { Fill::FULL } else { Fill::ROUGH };
+                let points = splotch(free, ground.size() - free, options.feather, fill, &mut random);
                 hard(format!("splotch {}", k + 1), ground.polygon(&points))
             })
             .collect(),

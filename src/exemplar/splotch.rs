@@ -14,10 +14,23 @@ use crate::random::Random;
 use glam::{DVec2, Vec2};
 use std::f64::consts::TAU;
 
-/// Opaque share of the exemplar, drawn between these. Below, pastes multiply; above, too little irregularity is left.
-const OPAQUE_SHARE: [f64; 2] = [0.62, 0.68];
-/// Exponent of the superellipse: 2 is an ellipse (79 % of its box), infinity the box; 3 fills 88 %.
-const ROUNDNESS: f64 = 3.0;
+/// How much of its exemplar a splotch fills.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Fill {
+    /// Opaque share of the exemplar, drawn between these.
+    share: [f64; 2],
+    /// Exponent of the superellipse: 2 is an ellipse (79 % of its box), infinity the box.
+    roundness: f64,
+}
+
+impl Fill {
+    /// For outlines that are seen. Below this share pastes multiply; above, too little irregularity is left. 3 fills 88 % of the box.
+    pub(super) const ROUGH: Self = Self { share: [0.62, 0.68], roundness: 3.0 };
+    /// For pastes whose borders are moved to where they show least: a fifth fewer of them, and more room for a border to move in. 5
+    /// fills 95 % of the box. Fuller ones save little more, and where no border can be moved their straight sides show.
+    pub(super) const FULL: Self = Self { share: [0.77, 0.83], roundness: 5.0 };
+}
+
 /// Waves around the outline. One wave would only shift it, and finer ones than these look like teeth.
 const WAVES: std::ops::RangeInclusive<u32> = 2..=8;
 /// The amplitude of wave k falls as k to minus this: less is frayed, more is a bean.
@@ -30,8 +43,8 @@ const STRONGEST: f64 = 0.5;
 const CORNERS: usize = 1024;
 
 /// A random splotch in the rectangle from `low` to `high`; `feather` is the width of its transition.
-pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, random: &mut Random) -> Vec<Vec2> {
-    let share = random.range(OPAQUE_SHARE[0], OPAQUE_SHARE[1]);
+pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, fill: Fill, random: &mut Random) -> Vec<Vec2> {
+    let share = random.range(fill.share[0], fill.share[1]);
     let waves: Vec<[f64; 3]> = WAVES
         .map(|k| {
             let part = if k == *WAVES.start() { LONGEST } else { 1.0 };
@@ -48,7 +61,8 @@ pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, random: &mut Random) 
         })
         .collect();
     let (low, size) = (low.as_dvec2(), (high - low).as_dvec2());
-    let outline = |strength: f64| fit(profile.iter().map(|p| corner(p.x, (strength * p.y).exp())).collect(), low, size);
+    let outline =
+        |strength: f64| fit(profile.iter().map(|p| corner(p.x, fill.roundness, (strength * p.y).exp())).collect(), low, size);
     let (mut weak, mut strong) = (0.0, STRONGEST);
     for _ in 0..24 {
         let middle = 0.5 * (weak + strong);
@@ -58,9 +72,9 @@ pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, random: &mut Random) 
 }
 
 /// A point of the superellipse of radius 1, moved out by a factor.
-fn corner(angle: f64, factor: f64) -> DVec2 {
+fn corner(angle: f64, roundness: f64, factor: f64) -> DVec2 {
     let (sin, cos) = angle.sin_cos();
-    let radius = (sin.abs().powf(ROUNDNESS) + cos.abs().powf(ROUNDNESS)).powf(-1.0 / ROUNDNESS);
+    let radius = (sin.abs().powf(roundness) + cos.abs().powf(roundness)).powf(-1.0 / roundness);
     DVec2::new(cos, sin) * radius * factor
 }
 

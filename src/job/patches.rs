@@ -42,7 +42,9 @@ pub fn cut_patches(
         }
         // What tiles has every window as it is.
         let room = if job.paste.windows && input.exemplar.wrap == Wrap::Clamp { WINDOW_ROOM } else { job.patches.room };
-        let options = PatchOptions { feather, room, ..job.patches.clone() };
+        // Cuts move borders away from outlines, windows make them agree.
+        let full = job.patches.full || job.paste.windows && job.paste.cuts;
+        let options = PatchOptions { feather, room, full, ..job.patches.clone() };
         let default = [PatchSpec { source: default_source(&input.exemplar, feather), weight: 1.0 }];
         let specs = if input.patches.is_empty() { &default[..] } else { &input.patches[..] };
         let (cut, told) = make_patches(&input.exemplar, index as u16, specs, &options).map_err(named)?;

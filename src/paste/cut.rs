@@ -127,15 +127,21 @@ impl Cut {
         [f32::from(distance) * DISTANCE, (f32::from(width) + 1.0) * SOFTNESS]
     }
 
+    /// Distance and width on a way that need not be a whole one; not negative.
+    #[inline]
+    fn between(&self, way: f32) -> [f32; 2] {
+        let first = way as usize;
+        let part = way - first as f32;
+        let ([d0, w0], [d1, w1]) = (self.step(first), self.step(first + 1));
+        [d0 + part * (d1 - d0), w0 + part * (w1 - w0)]
+    }
+
     /// Alpha at a point of the mask (0 to 1). `blur` is the least width over which it falls: a pixel's.
     #[inline]
     #[must_use]
     pub fn alpha(&self, uv: Vec2, blur: f32) -> f32 {
         let at = Polar::new(uv);
-        let first = at.way as usize;
-        let part = at.way - first as f32;
-        let ([d0, w0], [d1, w1]) = (self.step(first), self.step(first + 1));
-        let (distance, width) = (d0 + part * (d1 - d0), w0 + part * (w1 - w0));
+        let [distance, width] = self.between(at.way);
         ((distance - at.distance) / width.max(blur) + 0.5).clamp(0.0, 1.0)
     }
 
@@ -154,11 +160,20 @@ impl Cut {
         let inner = at.distance - 2.0 * reach;
         let mut low = [f32::INFINITY; 2];
         let mut high = [0.0_f32; 2];
-        ways_within(&at, reach, |way| {
-            let [distance, width] = self.step(way);
+        let mut take = |[distance, width]: [f32; 2]| {
             low = [low[0].min(distance), low[1].min(width)];
             high = [high[0].max(distance), high[1].max(width.max(blur))];
-        });
+        };
+        match aside(&at, reach) {
+            None => (0..CUT_STEPS).for_each(|way| take(self.step(way))),
+            // Between ways both run straight, so they are largest and least at ways and at the ends.
+            Some(aside) => {
+                let [from, to] = [at.way - aside, at.way + aside].map(|way| way + CUT_STEPS as f32);
+                take(self.between(from));
+                take(self.between(to));
+                (from.ceil() as usize..=to.floor() as usize).for_each(|way| take(self.step(way)));
+            }
+        }
         // A ramp is steeper, so further from one half, where it is narrow.
         let ramp = |ahead: f32, narrow: f32, wide: f32| {
             let width = if ahead >= 0.0 { wide } else { narrow };
@@ -170,18 +185,23 @@ impl Cut {
     }
 }
 
+/// How many ways a step of `reach` over the mask leads aside at most; `None` if anywhere.
+#[inline]
+fn aside(at: &Polar, reach: f32) -> Option<f32> {
+    let inner = at.distance - 2.0 * reach;
+    let aside = SIDE * 2.0 * reach / inner;
+    (inner > 0.0 && aside < 2.0 * SIDE).then_some(aside)
+}
+
 /// Names all ways that matter to points no further than `reach` from one, both over the mask.
-fn ways_within(at: &Polar, reach: f32, mut name: impl FnMut(usize)) {
-    let reach = 2.0 * reach;
-    let inner = at.distance - reach;
-    // A step aside by `reach` moves the way by no more than this.
-    let aside = if inner > 0.0 { SIDE * reach / inner } else { f32::INFINITY };
-    if aside >= 2.0 * SIDE {
-        (0..CUT_STEPS).for_each(name);
-    } else {
-        let from = (at.way - aside).floor() as i64;
-        let to = (at.way + aside).floor() as i64 + 1;
-        (from..=to).for_each(|way| name(way.rem_euclid(CUT_STEPS as i64) as usize));
+fn ways_within(at: &Polar, reach: f32, name: impl FnMut(usize)) {
+    match aside(at, reach) {
+        None => (0..CUT_STEPS).for_each(name),
+        Some(aside) => {
+            let from = (at.way - aside).floor() as i64;
+            let to = (at.way + aside).floor() as i64 + 1;
+            (from..=to).map(|way| way.rem_euclid(CUT_STEPS as i64) as usize).for_each(name);
+        }
     }
 }
 

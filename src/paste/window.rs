@@ -42,7 +42,7 @@ const FINE_SAMPLES: usize = 256;
 /// Samples that are looked at before a window that is worse than others already is given up.
 const PART: usize = 16;
 /// Distance between neighbouring samples, as a share of the mask's longer side.
-const PITCH: f32 = 1.0 / 64.0;
+const PITCH: f32 = 1.0 / 40.0;
 /// How far inside the feather the weight falls to 1/e, as a share of the mask's longer side: a course of bricks that goes on
 /// below is met by the one above.
 const BAND: f32 = 0.03;

@@ -1,6 +1,7 @@
 //! Nearest patches, both ways (Simakov et al. 2008).
 
-use super::pieces::Pieces;
+use super::pieces::{Pieces, Room};
+use crate::exemplar::Exemplar;
 use crate::numeric::pca::Pca;
 use crate::numeric::rows::{Exhaustive, Rows};
 use rayon::prelude::*;
@@ -13,6 +14,13 @@ pub(super) const PATCH: usize = 11;
 const KEPT: usize = 32;
 /// One in so many patches is enough to find the components.
 const FEW: usize = 4;
+/// Patches of an exemplar that are known, on an even grid, and the least distance between them, pixels. Between pixels a patch differs
+/// from its neighbours by more than by what borders do: with patches drawn at random, as many as pixels, a verbatim copy of
+/// bricks was as far from its exemplar as a synthesis.
+const MOST: usize = 1 << 16;
+const CLOSEST: f64 = 0.5;
+/// So many are cut at a time.
+const AT_A_TIME: usize = 1 << 12;
 /// Patches cut from each piece, along each of its sides.
 const ALONG: usize = 3;
 
@@ -48,11 +56,20 @@ impl Known {
         Some(Self { pca, search })
     }
 
-    /// Other pieces by the same components. `None` without pieces.
+    /// All patches of an exemplar, from the part of its width between two shares. `None` if that is smaller than a patch.
     #[must_use]
-    pub fn others(&self, pieces: &Pieces) -> Option<Self> {
-        let search = || Exhaustive::new(self.pca.project_all(&patches(pieces)));
-        (!pieces.data.is_empty()).then(|| Self { pca: Arc::clone(&self.pca), search: search() })
+    pub fn of_image(exemplar: &Exemplar, part: [f64; 2]) -> Option<Self> {
+        let room = Room::new(exemplar, PATCH, part)?;
+        let middles = room.grid(MOST, CLOSEST);
+        let cut = |middles: &[[f64; 2]]| {
+            let pieces: Vec<Vec<[f32; 3]>> = middles.par_iter().map(|&middle| room.piece(PATCH, middle)).collect();
+            Pieces { side: PATCH, data: pieces }.middles(PATCH)
+        };
+        let few: Vec<[f64; 2]> = middles.iter().step_by(middles.len().div_ceil(AT_A_TIME)).copied().collect();
+        let pca = Arc::new(Pca::new(&cut(&few), KEPT));
+        let mut all = Rows::new(pca.kept());
+        middles.chunks(AT_A_TIME).for_each(|middles| pca.project_all(&cut(middles)).iter().for_each(|row| all.push(row)));
+        Some(Self { pca, search: Exhaustive::new(all) })
     }
 
     /// The distance of each patch asked, rows of [`Pieces::middles`], to the nearest; colour steps, root mean square over a patch.

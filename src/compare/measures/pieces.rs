@@ -1,6 +1,6 @@
 //! Pieces of a texture: squares of pixels cut from a surface or from an image, in the same way.
 
-use crate::exemplar::{Channel, Exemplar, Wrap, srgb};
+use crate::exemplar::{Channel, Exemplar, Image, Wrap, srgb};
 use crate::mesh::walk::Walker;
 use crate::mesh::{Mesh, SurfacePoint};
 use crate::random::Random;
@@ -103,31 +103,60 @@ pub fn around(at: &Placed, side: usize, points: &[SurfacePoint]) -> Pieces {
 /// pieces if that part is too small, unless the exemplar tiles.
 #[must_use]
 pub fn of_image(exemplar: &Exemplar, side: usize, count: usize, seed: u64, part: [f64; 2]) -> Pieces {
-    let Some(image) = exemplar.channel(Channel::BaseColor).map(crate::exemplar::MipChain::finest) else {
-        return Pieces { side, data: Vec::new() };
+    let Some(view) = Room::new(exemplar, side, part) else { return Pieces { side, data: Vec::new() } };
+    let one = |k: usize| {
+        let mut random = Random::new(seed, k as u64);
+        view.piece(side, [0, 1].map(|axis| random.range(view.low[axis], view.high[axis])))
     };
-    let [w, h] = image.size().map(f64::from);
-    let tiles = exemplar.wrap == Wrap::Repeat;
-    let reach = if tiles { 0.0 } else { side as f64 / 2.0 };
-    let (low, high) = ([part[0] * w + reach, reach], [part[1] * w - reach, h - reach]);
-    if low[0] > high[0] || low[1] > high[1] {
-        return Pieces { side, data: Vec::new() };
+    Pieces { side, data: (0..count).into_par_iter().map(one).collect() }
+}
+
+/// An exemplar's image, and where middles of pieces may lie on it.
+pub(super) struct Room<'a> {
+    image: &'a Image,
+    tiles: bool,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl<'a> Room<'a> {
+    /// For pieces of a side, in the part of its width between two shares. `None` if that is too small, unless the exemplar tiles.
+    pub(super) fn new(exemplar: &'a Exemplar, side: usize, part: [f64; 2]) -> Option<Self> {
+        let image = exemplar.channel(Channel::BaseColor)?.finest();
+        let [w, h] = image.size().map(f64::from);
+        let tiles = exemplar.wrap == Wrap::Repeat;
+        let reach = if tiles { 0.0 } else { side as f64 / 2.0 };
+        let (low, high) = ([part[0] * w + reach, reach], [part[1] * w - reach, h - reach]);
+        (low[0] <= high[0] && low[1] <= high[1]).then_some(Self { image, tiles, low, high })
     }
-    let at = |x: f64, y: f64| -> Vec3 {
+
+    /// Middles on an even grid, as many as `most`, but no closer than so many pixels.
+    pub(super) fn grid(&self, most: usize, closest: f64) -> Vec<[f64; 2]> {
+        let size = [0, 1].map(|axis| self.high[axis] - self.low[axis]);
+        let step = (size[0] * size[1] / most as f64).sqrt().max(closest);
+        // What tiles goes on where it began.
+        let along = |axis: usize| (size[axis] / step) as usize + usize::from(!self.tiles);
+        let [columns, rows] = [along(0), along(1)].map(|count| count.max(1));
+        (0..columns * rows)
+            .map(|i| [self.low[0] + step * (i % columns) as f64, self.low[1] + step * (i / columns) as f64])
+            .collect()
+    }
+
+    /// The piece around a middle.
+    pub(super) fn piece(&self, side: usize, [x, y]: [f64; 2]) -> Vec<[f32; 3]> {
+        offsets(side).map(|[dx, dy]| self.at(x + dx, y + dy).to_array().map(srgb::encode_near)).collect()
+    }
+
+    fn at(&self, x: f64, y: f64) -> Vec3 {
+        let [w, h] = self.image.size().map(i64::from);
         let (x, y) = (x - 0.5, y - 0.5);
         let ([x0, y0], u, v) = ([x.floor(), y.floor()], (x - x.floor()) as f32, (y - y.floor()) as f32);
         let pixel = |dx: i64, dy: i64| {
             let (x, y) = (x0 as i64 + dx, y0 as i64 + dy);
-            if tiles { image.pixel(x.rem_euclid(w as i64), y.rem_euclid(h as i64)) } else { image.pixel(x, y) }
+            if self.tiles { self.image.pixel(x.rem_euclid(w), y.rem_euclid(h)) } else { self.image.pixel(x, y) }
         };
         pixel(0, 0).lerp(pixel(1, 0), u).lerp(pixel(0, 1).lerp(pixel(1, 1), u), v)
-    };
-    let one = |k: usize| -> Vec<[f32; 3]> {
-        let mut random = Random::new(seed, k as u64);
-        let (x, y) = (random.range(low[0], high[0]), random.range(low[1], high[1]));
-        offsets(side).map(|[dx, dy]| at(x + dx, y + dy).to_array().map(srgb::encode_near)).collect()
-    };
-    Pieces { side, data: (0..count).into_par_iter().map(one).collect() }
+    }
 }
 
 impl Pieces {

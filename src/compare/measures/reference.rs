@@ -55,8 +55,9 @@ impl Reference {
         alone.wrap = Wrap::Clamp;
         let large = of_image(&alone, LARGE_SIDE, LARGE, 6, [0.0, 1.0]);
         let own = OwnSteps::new(&whole);
-        let known = Known::new(&whole);
-        let other = known.as_ref().and_then(|k| k.others(&other)).map(|known| Prepared::new(other, known));
+        let known = |part, pieces: &Pieces| Known::of_image(exemplar, part).filter(|_| !pieces.data.is_empty());
+        let other = known([0.5, 1.0], &other).map(|known| Prepared::new(other, known));
+        let known = known([0.0, 1.0], &whole);
         let floor = measured(&half, &large, other.as_ref());
         Self { whole: known.map(|known| Prepared::new(whole, known)), own, floor }
     }
