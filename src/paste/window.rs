@@ -41,11 +41,11 @@ const COARSE_SAMPLES: usize = 96;
 const FINE_SAMPLES: usize = 256;
 /// Samples that are looked at before a window that is worse than others already is given up.
 const PART: usize = 16;
-/// Distance between neighbouring samples, as a share of the mask's longer side.
+/// Distance between neighbouring samples, as a share of the mask's longer side: some hundreds along a border.
 const PITCH: f32 = 1.0 / 40.0;
 /// How far inside the feather the weight falls to 1/e, as a share of the mask's longer side: a course of bricks that goes on
-/// below is met by the one above.
-const BAND: f32 = 0.03;
+/// below is met by the one above, and a cut finds both sides alike farther in.
+const BAND: f32 = 0.05;
 /// Fewer samples than this say nothing.
 const LEAST_SAMPLES: usize = 8;
 /// Share of what lies below from which it is known.

@@ -52,13 +52,16 @@ const DEPTH: f32 = 0.8;
 const RINGS: usize = 56;
 /// The first of them for pastes without a hard edge: others overlap them by about the rest.
 const SHALLOW: usize = 28;
+/// How many cells around its own count for what a border there shows, each way: where both sides agree on a single line alone, that line is
+/// a seam in what lies around it. With these, less of the texture around borders is unlike the exemplar by a twentieth.
+const AROUND: usize = 2;
 /// How many rings a path may climb from one way to the next: at 8 it may run at 61 degrees to the mask's edge.
 const CLIMB: usize = 8;
 /// Length of a step outwards by one ring, as a share of one from way to way.
 const RISE: f32 = (DEPTH / RINGS as f32) / (8.0 / CUT_STEPS as f32);
-/// What a path costs where both sides agree: a difference of 32 of 255. A path that wanders for less than that cuts through more of what lies
-/// beside it than it goes around: at 4 of 255 there is twice as much of steps that the exemplar does not have, a tenth more is
-/// drawn, and edges of cuts add a twentieth to the detail. At 64 of 255 tiles are cut that could be gone around.
+/// What a path costs where both sides agree: a difference of 32 of 255. A path that wanders for less than that cuts through more of what
+/// lies beside it than it goes around: at 4 of 255 a twentieth more is drawn, there are half as many steps again that the exemplar does not
+/// have, and edges of cuts add to the detail. At 44 of 255 tiles are cut that could be gone around.
 const FLOOR: f32 = 0.016;
 /// How much a place counts that pastes above hide: they may be cut there.
 const HIDDEN: f32 = 0.1;
@@ -84,7 +87,7 @@ pub struct CutStatistics {
     pub cut: usize,
     /// Pastes whose cuts were taken back, because coverage would have had holes.
     pub given_up: usize,
-    /// Root mean square difference along visible borders, in steps of encoded colour (0 to 1), with all borders where masks end.
+    /// Root mean square difference around visible borders, in steps of encoded colour (0 to 1), with all borders where masks end.
     pub border_before: f64,
     /// The same with the cuts.
     pub border_after: f64,
@@ -153,6 +156,8 @@ fn cells(corners: &[Vec2; 3]) -> impl Iterator<Item = (Vec2, Vec3)> {
 struct Comparison {
     /// Squared difference times what the pastes above let through; and that share.
     error: Vec<[f32; 2]>,
+    /// The same of the mean squared difference of the cells around each.
+    around: Vec<f32>,
     /// Per way, the least distance of a border from the middle.
     least: [f32; CUT_STEPS],
     /// The first ring where a border may lie.
@@ -243,7 +248,8 @@ impl<'a> Matcher<'a> {
     fn compare(&self, k: u32, plan: &Plan, cuts: &[Option<Box<Cut>>]) -> Option<Comparison> {
         let paste = &self.lapped.pastes[k as usize];
         let first = if self.shown[k as usize].is_empty() { SHALLOW } else { 0 };
-        let mut compared = Comparison { error: vec![[0.0; 2]; GRID * GRID], least: [0.0; CUT_STEPS], first, hard: Vec::new() };
+        let mut compared =
+            Comparison { error: vec![[0.0; 2]; GRID * GRID], around: Vec::new(), least: [0.0; CUT_STEPS], first, hard: Vec::new() };
         let mut any = false;
         let deepest = distance(first) - 4.0 / GRID as f32;
         let on_face = |below: &mut Vec<f32>, (&face, uv): (&u32, &[Vec2; 3])| {
@@ -272,6 +278,7 @@ impl<'a> Matcher<'a> {
             }
         }
         if any {
+            compared.look_around();
             self.add_hard_edges(k, plan, cuts, &mut compared);
         }
         any.then_some(compared)
@@ -331,6 +338,23 @@ impl<'a> Matcher<'a> {
 }
 
 impl Comparison {
+    /// Finds `around`: sums of squares of cells with a difference, along rows and then along columns.
+    fn look_around(&mut self) {
+        let known = |&[error, weight]: &[f32; 2]| if weight > 0.0 { [error / weight, 1.0] } else { [0.0; 2] };
+        let mut sums: Vec<[f32; 2]> = self.error.iter().map(known).collect();
+        let mut before = [[0.0; 2]; GRID];
+        for line in 0..2 * GRID {
+            let (start, step) = if line < GRID { (line * GRID, 1) } else { (line - GRID, GRID) };
+            before.iter_mut().enumerate().for_each(|(i, b)| *b = sums[start + i * step]);
+            for i in 0..GRID {
+                let near = &before[i.saturating_sub(AROUND)..(i + AROUND + 1).min(GRID)];
+                sums[start + i * step] = near.iter().fold([0.0; 2], |sum, b| [sum[0] + b[0], sum[1] + b[1]]);
+            }
+        }
+        let mean = |(own, [sum, count]): (&[f32; 2], [f32; 2])| if own[1] > 0.0 { own[1] * sum / count } else { 0.0 };
+        self.around = self.error.iter().zip(sums).map(mean).collect();
+    }
+
     /// What lies there is covered by nobody else.
     fn keep_inside(&mut self, (way, at): (usize, f32)) {
         let margin = MARGIN * 2.0 / GRID as f32;

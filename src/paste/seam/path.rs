@@ -21,14 +21,15 @@ pub(super) struct Path {
 /// The closed path of least difference.
 pub(super) fn shortest(plan: &Plan, compared: &Comparison) -> Path {
     let hard = |way: usize, ring: usize| compared.hard.get(way).map_or([0.0; 2], |rings| rings[ring]);
-    let error = |way: usize, ring: usize| compared.error[plan.cell[way * RINGS + ring] as usize];
+    let cell = |way: usize, ring: usize| plan.cell[way * RINGS + ring] as usize;
+    let error = |way: usize, ring: usize| compared.around[cell(way, ring)];
     // From the mask's border on, all rings stand for it.
     let cost: Vec<[f32; RINGS]> = (0..CUT_STEPS)
         .map(|way| {
             std::array::from_fn(|ring| {
                 let inside = ring + 1 < plan.end[way];
                 let open = ring < compared.first || inside && distance(ring) < compared.least[way];
-                if open { f32::INFINITY } else { FLOOR + error(way, ring)[0] + HARD * hard(way, ring)[0] }
+                if open { f32::INFINITY } else { FLOOR + error(way, ring) + HARD * hard(way, ring)[0] }
             })
         })
         .collect();
@@ -37,13 +38,14 @@ pub(super) fn shortest(plan: &Plan, compared: &Comparison) -> Path {
     let mut path = Path { rings: [0; CUT_STEPS], sums: [0.0; 3], price: [0.0; 2] };
     for (way, (ring, chosen)) in path.rings.iter_mut().zip(rings).enumerate() {
         *ring = chosen;
-        let at = |ring: usize| (error(way, ring).map(f64::from), hard(way, ring).map(f64::from));
-        let ((border, sharp), (cut, left)) = (at(RINGS - 1), at(chosen));
-        path.sums[0] += border[1] + sharp[1];
-        path.sums[1] += border[0] + sharp[0];
-        path.sums[2] += cut[0] + left[0];
-        path.price[0] += border[0] + f64::from(HARD) * sharp[0];
-        path.price[1] += cut[0] + f64::from(HARD) * left[0];
+        let at = |ring: usize| f64::from(error(way, ring));
+        let sharp = |ring: usize| hard(way, ring).map(f64::from);
+        let ([border, weight], [left, _]) = (sharp(RINGS - 1), sharp(chosen));
+        path.sums[0] += f64::from(compared.error[cell(way, RINGS - 1)][1]) + weight;
+        path.sums[1] += at(RINGS - 1) + border;
+        path.sums[2] += at(chosen) + left;
+        path.price[0] += at(RINGS - 1) + f64::from(HARD) * border;
+        path.price[1] += at(chosen) + f64::from(HARD) * left;
     }
     path
 }
