@@ -1,9 +1,10 @@
 //! A blind look: crops of a textured surface, each with a border in its middle, among crops of the exemplar.
 //!
 //! Who cannot tell which are which cannot see the borders. All crops are unrolled and lit evenly at one pixel of the exemplar a pixel,
-//! cut as the pieces are that fidelity is measured on, so that nothing but the texture tells them apart.
+//! cut as the pieces are that fidelity is measured on, so that nothing but the texture tells them apart. Where the surface bends so much
+//! that unrolling tears a crop, none is taken: there the tear would tell.
 
-use super::measures::{Border, Pieces, Placed, around, of_image};
+use super::measures::{Border, Pieces, Placed, around, of_image, unrolls};
 use crate::exemplar::Exemplar;
 use crate::random::Random;
 use crate::render::picture::{Picture, to_byte};
@@ -11,8 +12,10 @@ use crate::render::text;
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 
-/// Largest side of a crop, as a share of the exemplar's shorter one.
+/// Largest side of a crop, as a share of the exemplar's shorter one, and in pixels: of a larger exemplar crops show different parts, and
+/// are not told by what they have in common.
 const SHARE: f64 = 0.5;
+const MOST: f64 = 96.0;
 /// Crops in a row.
 const COLUMNS: u32 = 8;
 /// Each pixel of a crop is shown as so many along each side.
@@ -45,15 +48,22 @@ pub struct BlindKey {
     pub surface: Vec<usize>,
 }
 
-/// So many crops around borders and as many of the exemplar, shuffled. `None` where there is no border, or the exemplar is too small.
+/// So many crops around borders, or as many as there are, and as many of the exemplar, shuffled. `None` where there is no border that
+/// unrolls, or the exemplar is too small.
 #[must_use]
 pub fn blind(at: &Placed, borders: &[Border], exemplar: &Exemplar, count: usize, seed: u64) -> Option<Blind> {
-    let side = (exemplar.size().into_iter().min().map_or(0.0, f64::from) * SHARE) as usize;
+    let side = (exemplar.size().into_iter().min().map_or(0.0, f64::from) * SHARE).min(MOST) as usize;
     let mut random = Random::new(seed, STREAM);
     if borders.is_empty() || side < 8 || count == 0 {
         return None;
     }
-    let points: Vec<_> = (0..count).map(|_| borders[random.below(borders.len() as u64) as usize].at).collect();
+    let mut places: Vec<usize> = (0..borders.len()).collect();
+    random.shuffle(&mut places);
+    let points: Vec<_> = places.into_iter().map(|i| borders[i].at).filter(|&p| unrolls(at, side, p)).take(count).collect();
+    if points.is_empty() {
+        return None;
+    }
+    let count = points.len();
     let surface = around(at, side, &points);
     let own = of_image(exemplar, side, count, seed ^ STREAM, [0.0, 1.0]);
     let mut crops: Vec<(bool, &Vec<[f32; 3]>)> =

@@ -13,8 +13,10 @@ use serde::Serialize;
 /// Pastes and memory of usual jobs lie within this factor of the estimate.
 pub const TRUST: f64 = 2.0;
 
-/// Opaque share of the exemplar under a splotch.
+/// Opaque share of the exemplar under a splotch, and under one for pastes whose windows and borders are chosen: more where the exemplar
+/// tiles, less where it does not.
 const SPLOTCH_SHARE: f64 = 0.6;
+const FULL_SHARE: f64 = 0.68;
 
 /// Patches that follow a direction stop where it turns, and more of them are needed,
 const DIRECTED: f64 = 1.25;
@@ -40,7 +42,7 @@ const CELL: f64 = 0.75;
 const SECONDS: [f64; 6] = [0.05, 2.2e-5, 5.5e-5, 6.5e-4, 2.5e-6, 1.2e-7];
 
 /// Seconds of one core that choosing the window of a paste adds, and its cut.
-const WINDOW_PASTE: f64 = 5.7e-3;
+const WINDOW_PASTE: f64 = 3e-3;
 
 /// What an estimate goes by.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,7 +115,7 @@ impl Estimate {
     #[must_use]
     pub fn new(work: &Work) -> Self {
         let directed = usize::from(work.directed);
-        let covering = PASTES_PER_COVER * work.ratio / SPLOTCH_SHARE;
+        let covering = PASTES_PER_COVER * work.ratio / if work.windows { FULL_SHARE } else { SPLOTCH_SHARE };
         let pastes = if work.directed { DIRECTED * covering + POLES } else { covering };
         let pastes = pastes.max(1.0).max(work.components as f64);
         let faces = work.faces as f64;

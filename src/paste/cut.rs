@@ -256,6 +256,17 @@ mod tests {
     }
 
     #[test]
+    fn bounds_of_a_point_are_its_alpha() {
+        let mut random = Random::new(4, 0);
+        for _ in 0..1000 {
+            let cut = random_cut(&mut random);
+            let uv = Vec2::new(random.unit() as f32, random.unit() as f32);
+            let (alpha, [least, most]) = (cut.alpha(uv, 0.0), cut.bounds(uv, 0.0, 0.0));
+            assert!((least - alpha).abs() < 1e-3 && (most - alpha).abs() < 1e-3, "{alpha} is neither {least} nor {most}");
+        }
+    }
+
+    #[test]
     fn bounds_hold_for_every_point_within_reach() {
         let mut random = Random::new(3, 0);
         for _ in 0..300 {

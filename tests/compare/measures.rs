@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use lapped::compare::fidelity;
 use lapped::compare::measures::{
-    Border, Pieces, chart_borders, coherence, histogram_distance, laplacian_energy, of_image, repetition, seam_visibility,
-    sliced_wasserstein,
+    Border, Pieces, Reference, chart_borders, coherence, histogram_distance, laplacian_energy, of_image, repetition,
+    seam_visibility, sliced_wasserstein,
 };
 use lapped::exemplar::{Channel, ChannelSet, Exemplar, Image, Wrap, srgb};
 use lapped::mesh::{Mesh, SurfacePoint};
@@ -102,6 +102,29 @@ fn seams_are_told_by_the_tail_of_coherence() {
     let few = Pieces { side: all.side, data: vec![all.data[0].clone(); 50] };
     let (there, missing) = coherence(&few, &all);
     assert!(there.p99 < 1e-3 && missing.mean > 10.0 * back.mean.max(1e-4), "one piece again and again is coherent, not complete");
+}
+
+#[test]
+fn a_verbatim_copy_is_coherent_wherever_it_is_cut() {
+    // As fine as pixels are: between them it looks least like itself.
+    let mut random = Random::new(5, 0);
+    let pixels: Vec<f32> = (0..96 * 96).map(|_| random.range(0.1, 0.9) as f32).collect();
+    let grain = |tiles: bool| {
+        let mut out = Exemplar::new("grain", Image::from_fn(96, 96, |x, y| Vec3::splat(pixels[(y * 96 + x) as usize])));
+        out.wrap = if tiles { Wrap::Repeat } else { Wrap::Clamp };
+        out
+    };
+    for tiles in [false, true] {
+        let exemplar = grain(tiles);
+        let copy = Reference::new(&exemplar).measure_image(&exemplar, 9);
+        // Its left half beside its right one, mirrored: a seam down the middle of a fifth of the patches at most.
+        let torn = Image::from_fn(96, 96, |x, y| {
+            let from = if x < 48 { x } else { 143 - x };
+            Vec3::splat(pixels[((if x < 48 { y } else { 95 - y }) * 96 + from) as usize])
+        });
+        let torn = Reference::new(&exemplar).measure_image(&Exemplar::new("torn", torn), 9);
+        assert!(copy.coherence.p99 < 0.5 * torn.coherence.p99, "{:?} of {:?}", copy.coherence, torn.coherence);
+    }
 }
 
 #[test]

@@ -98,6 +98,13 @@ fn splotches_are_large_irregular_and_repeatable() {
             assert_eq!(patch.weight, 2.0 / 5.0, "the weight is shared");
             assert!(patches[..i].iter().all(|p| p.mask != patch.mask), "splotch {i} is like an earlier one");
         }
+        let (full, _) = make(&exemplar, PatchSource::Splotch, &PatchOptions { full: true, ..options.clone() });
+        for (i, patch) in full.iter().enumerate() {
+            check(patch, &format!("full splotch {i} of {w} x {h}"));
+            let share = opaque_share(patch, &exemplar);
+            assert!((0.70..0.85).contains(&share), "full splotch {i} of {w} x {h}: {share} opaque");
+            assert!(full[..i].iter().all(|p| p.mask != patch.mask), "full splotch {i} is like an earlier one");
+        }
         assert_eq!(make(&exemplar, PatchSource::Splotch, &options).0, patches, "the same seed, the same splotches");
         let other = make(&exemplar, PatchSource::Splotch, &PatchOptions { seed: 12, ..options }).0;
         assert_ne!(other, patches, "another seed, others");

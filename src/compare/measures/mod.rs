@@ -33,7 +33,7 @@ pub use errors::ErrorMap;
 pub use histogram::{Histogram, histogram_distance};
 pub use mapping::{Extreme, Extremes, Mapped, Mapping, breaks, mapping};
 pub use patches::{Known, Spread, coherence};
-pub use pieces::{ByArea, Pieces, Placed, around, of_image, of_surface};
+pub use pieces::{ByArea, Pieces, Placed, around, of_image, of_surface, unrolls};
 pub use reference::Reference;
 pub use sliced::{Sliced, sliced_wasserstein};
 pub use spectrum::{laplacian_energy, repetition};

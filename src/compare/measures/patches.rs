@@ -14,9 +14,9 @@ pub(super) const PATCH: usize = 11;
 const KEPT: usize = 32;
 /// One in so many patches is enough to find the components.
 const FEW: usize = 4;
-/// Patches of an exemplar that are known, on an even grid, and the least distance between them, pixels. Between pixels a patch differs
-/// from its neighbours by more than by what borders do: with patches drawn at random, as many as pixels, a verbatim copy of
-/// bricks was as far from its exemplar as a synthesis.
+/// Patches of an exemplar that are known, on an even grid, and the least distance between them, pixels. With as many as pixels, but drawn at
+/// random, a verbatim copy of bricks was nearly as far from its exemplar (worst hundredth 0.063) as a synthesis (0.073): between
+/// pixels a patch differs from its neighbours by as much as a border does. On the grid the copy has 0.033.
 const MOST: usize = 1 << 16;
 const CLOSEST: f64 = 0.5;
 /// So many are cut at a time.

@@ -30,6 +30,11 @@ pub struct Placed<'a> {
     pub pixel: f64,
 }
 
+/// Places along the sides of a piece at which it is looked whether it unrolls, less one; and how much longer or shorter than in the plane the
+/// ways between them may be.
+const UNROLLED: u32 = 12;
+const PULLED: f64 = 1.3;
+
 /// Offsets of a piece's pixels from its middle, pixels right and down.
 fn offsets(side: usize) -> impl Iterator<Item = [f64; 2]> {
     let middle = (side as f64 - 1.0) / 2.0;
@@ -97,6 +102,24 @@ pub fn around(at: &Placed, side: usize, points: &[SurfacePoint]) -> Pieces {
         offsets(side).map(pixel).collect()
     };
     Pieces { side, data: points.par_iter().map(one).collect() }
+}
+
+/// True if a piece around a point lies on the surface nearly as it does in the plane: nowhere torn, folded or pulled.
+#[must_use]
+pub fn unrolls(at: &Placed, side: usize, point: SurfacePoint) -> bool {
+    let [right, down] = directions(at, point);
+    let step = side as f64 / f64::from(UNROLLED);
+    let place = |i: u32| {
+        let [x, y] = [i % (UNROLLED + 1), i / (UNROLLED + 1)].map(|k| (f64::from(k) * step) - side as f64 / 2.0);
+        at.on.mesh().position(at.on.walk(point, (right * x + down * y) * at.pixel))
+    };
+    let places: Vec<DVec3> = (0..(UNROLLED + 1) * (UNROLLED + 1)).map(place).collect();
+    let beside = |a: usize, b: usize| {
+        let length = places[a].distance(places[b]) / (step * at.pixel);
+        (1.0 / PULLED..=PULLED).contains(&length)
+    };
+    let row = UNROLLED as usize + 1;
+    (0..places.len()).all(|i| (i % row == row - 1 || beside(i, i + 1)) && (i / row == row - 1 || beside(i, i + row)))
 }
 
 /// Pieces of an exemplar, between its pixels as those of a surface are; from the part of its width between two shares. No

@@ -366,3 +366,30 @@ impl Comparison {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+
+    #[test]
+    fn around_a_cell_the_cells_that_were_compared_count_alike() {
+        let mut random = Random::new(6, 0);
+        let cell = |_| if random.unit() < 0.7 { [random.unit() as f32, random.range(0.1, 1.0) as f32] } else { [0.0; 2] };
+        let error: Vec<[f32; 2]> = (0..GRID * GRID).map(cell).collect();
+        let mut compared =
+            Comparison { error: error.clone(), around: Vec::new(), least: [0.0; CUT_STEPS], first: 0, hard: Vec::new() };
+        compared.look_around();
+        for (i, own) in error.iter().enumerate() {
+            let (x, y) = (i % GRID, i / GRID);
+            let near = |t: usize| t.saturating_sub(AROUND)..(t + AROUND + 1).min(GRID);
+            let all: Vec<f32> = near(y)
+                .flat_map(|y| near(x).map(move |x| y * GRID + x))
+                .filter(|&j| error[j][1] > 0.0)
+                .map(|j| error[j][0] / error[j][1])
+                .collect();
+            let mean = if own[1] > 0.0 { own[1] * all.iter().sum::<f32>() / all.len() as f32 } else { 0.0 };
+            assert!((compared.around[i] - mean).abs() < 1e-4 * (1.0 + mean), "cell {x}, {y}: {} for {mean}", compared.around[i]);
+        }
+    }
+}
