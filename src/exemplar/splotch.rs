@@ -31,6 +31,9 @@ impl Fill {
     pub(super) const FULL: Self = Self { share: [0.77, 0.83], roundness: 5.0 };
 }
 
+/// Share of a smooth outline's opaque area that waves leave at most: where the feather of a small exemplar takes more than its share, two
+/// splotches still differ.
+const DENTED: f64 = 0.97;
 /// Waves around the outline. One wave would only shift it, and finer ones than these look like teeth.
 const WAVES: std::ops::RangeInclusive<u32> = 2..=8;
 /// The amplitude of wave k falls as k to minus this: less is frayed, more is a bean.
@@ -63,10 +66,12 @@ pub(super) fn splotch(low: Vec2, high: Vec2, feather: f32, fill: Fill, random: &
     let (low, size) = (low.as_dvec2(), (high - low).as_dvec2());
     let outline =
         |strength: f64| fit(profile.iter().map(|p| corner(p.x, fill.roundness, (strength * p.y).exp())).collect(), low, size);
+    let area = |strength: f64| opaque_area(&outline(strength), f64::from(feather));
+    let wanted = (share * size.x * size.y).min(DENTED * area(0.0));
     let (mut weak, mut strong) = (0.0, STRONGEST);
     for _ in 0..24 {
         let middle = 0.5 * (weak + strong);
-        if opaque_area(&outline(middle), f64::from(feather)) > share * size.x * size.y { weak = middle } else { strong = middle }
+        if area(middle) > wanted { weak = middle } else { strong = middle }
     }
     outline(weak).iter().map(|p| p.as_vec2()).collect()
 }

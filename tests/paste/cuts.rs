@@ -36,13 +36,13 @@ fn of(exemplar: Exemplar) -> ExemplarInput {
 }
 
 #[test]
-fn borders_run_through_joints() {
+fn borders_run_where_both_sides_agree_around_them() {
     let plain = on_a_sheet(of(stones()), false, false);
     assert!(plain.lapped.pastes.iter().all(|p| p.cut.is_none()), "plain pastes end where their masks do");
     let made = on_a_sheet(of(stones()), false, true);
     let found = made.report.paste.cuts;
     assert!(found.cut > 10, "{found:?}: most pastes lie over others");
-    assert!(found.border_after < 0.6 * found.border_before, "{found:?}: through the joints they differ less");
+    assert!(found.border_after < 0.9 * found.border_before, "{found:?}: where stones are alike or joints meet they differ less");
     let both = on_a_sheet(of(stones()), true, true).report.paste.cuts;
     assert!(both.border_after < found.border_after, "{both:?}: less than {found:?} where windows agree already");
 }

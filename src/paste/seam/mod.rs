@@ -9,13 +9,15 @@
 //! 1. Pastes take their turn from the bottom up, those that share no face in parallel: what lies below is final.
 //! 2. A paste is compared with what lies below it on a grid over its mask, a few dozen cells a side. Cells that are not covered below
 //!    must stay inside.
-//! 3. On each of the ways out of the middle ([`Cut`]) a border may lie at a few distances, from where the outermost such
+//! 3. What a border would show at a cell is the mean difference around it, not that of the cell alone: two textures that agree on a line and
+//!    nowhere beside it meet in a seam there. (The paper takes the line's.)
+//! 4. On each of the ways out of the middle ([`Cut`]) a border may lie at a few distances, from where the outermost such
 //!    cell ends to where the mask does. Dynamic programming finds the closed path of least difference through them (`path.rs`).
-//! 4. Where growth stopped inside the mask a paste ends in a hard edge. A border that leaves it to show pays for the step there, and
+//! 5. Where growth stopped inside the mask a paste ends in a hard edge. A border that leaves it to show pays for the step there, and
 //!    for more than a soft one; so a paste with hard edges is cut before them, softly, wherever something lies below. A border that
 //!    would uncover a hard edge of another paste pays as well (`hard.rs`).
-//! 5. A path that is not clearly better than the mask's own border is given up.
-//! 6. Where coverage finds a hole all the same, cuts are taken back ([`see_without_holes`]).
+//! 6. A path that is not clearly better than the mask's own border is given up.
+//! 7. Where coverage finds a hole all the same, cuts are taken back ([`see_without_holes`]).
 //!
 //! Colours and all other channels count as [`crate::exemplar::stack`] weighs them. Only patches whose content may slide are cut:
 //! other masks follow the exemplar.
