@@ -55,15 +55,15 @@ const RINGS: usize = 56;
 /// The first of them for pastes without a hard edge: others overlap them by about the rest.
 const SHALLOW: usize = 28;
 /// How many cells around its own count for what a border there shows, each way: where both sides agree on a single line alone, that line is
-/// a seam in what lies around it. With these, less of the texture around borders is unlike the exemplar by a twentieth.
+/// a seam in what lies around it. With these coherence is 4 % better, on the mean and in its worst hundredth.
 const AROUND: usize = 2;
 /// How many rings a path may climb from one way to the next: at 8 it may run at 61 degrees to the mask's edge.
 const CLIMB: usize = 8;
 /// Length of a step outwards by one ring, as a share of one from way to way.
 const RISE: f32 = (DEPTH / RINGS as f32) / (8.0 / CUT_STEPS as f32);
-/// What a path costs where both sides agree: a difference of 32 of 255. A path that wanders for less than that cuts through more of what
-/// lies beside it than it goes around: at 4 of 255 a twentieth more is drawn, there are half as many steps again that the exemplar does not
-/// have, and edges of cuts add to the detail. At 44 of 255 tiles are cut that could be gone around.
+/// What a path costs where both sides agree: a difference of 32 of 255. A path that wanders for less cuts through more of what lies beside it
+/// than it goes around. While cells alone counted, 4 of 255 drew a twentieth more, with three quarters more of steps that the exemplar hardly
+/// has; since what lies [`AROUND`] counts, anything from 16 to 32 does as well.
 const FLOOR: f32 = 0.016;
 /// How much a place counts that pastes above hide: they may be cut there.
 const HIDDEN: f32 = 0.1;
