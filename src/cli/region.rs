@@ -65,7 +65,7 @@ pub struct RegionArgs {
     /// (vertex), or one colour (#RRGGBB)
     #[arg(long, value_name = "own|vertex|#RRGGBB", help_heading = "Texture patches")]
     pub base: Option<Base>,
-    /// Lay no pastes over hard edges that show
+    /// Lay no pastes over hard edges that show. Only those of exemplars that look the same every way lie across the field
     #[arg(long, help_heading = "Texture patches")]
     pub no_overlays: bool,
     /// Lay smaller pastes over hard edges that still show: fewer shards on thin limbs and in folds, for more pastes and masks

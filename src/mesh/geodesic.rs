@@ -153,19 +153,6 @@ impl<'m> Geodesic<'m> {
         &self.reached
     }
 
-    /// Calls `visit` once with every face that has a reached corner.
-    pub fn for_each_reached_face(&self, mut visit: impl FnMut(u32)) {
-        for &v in &self.reached {
-            for h in self.mesh.ring(self.first[v as usize]) {
-                // The face's first reached corner answers for it.
-                let corners = self.mesh.faces[(h / 3) as usize];
-                if corners.into_iter().find(|&c| self.distance[c as usize].is_finite()) == Some(v) {
-                    visit(h / 3);
-                }
-            }
-        }
-    }
-
     /// Step 2 for one vertex.
     fn leave(&mut self, v: u32, admit: &impl Fn(u32, f64) -> bool, carry: &mut impl FnMut(&Step)) {
         let mesh = self.mesh;
@@ -396,13 +383,6 @@ mod tests {
             }
         }
         assert!(geodesic.reached().len() < mesh.vertex_count() / 5, "{} vertices reached", geodesic.reached().len());
-        let mut faces = Vec::new();
-        geodesic.for_each_reached_face(|f| faces.push(f));
-        faces.sort_unstable();
-        let near = (0..mesh.face_count() as u32)
-            .filter(|&f| mesh.faces[f as usize].iter().any(|&v| geodesic.vertex(v).is_finite()))
-            .collect::<Vec<_>>();
-        assert_eq!(faces, near, "each face with a reached corner once");
     }
 
     #[test]

@@ -7,7 +7,7 @@
 //!
 //! 1. If hard edges show, texture patches that slide get smaller ones beside them.
 //! 2. From the widest to the narrowest they are laid at the middles of hard edges that show, drawn by how much they do, as overlays are
-//!    ([`Loop::lay_over`]). They follow the field, but for poles, and exemplars that look the same every way.
+//!    ([`Loop::lay_over`]). They follow the field, unless their exemplar looks the same every way.
 //! 3. Kept is what hides far more of hard edges than it ends in, and more than a good part of its own width: a border that is
 //!    soft still is one.
 //! 4. In the result are those of the smaller patches that a paste uses.
@@ -17,7 +17,7 @@ use super::grow::PatchPlan;
 use super::lapped::{FaceLists, Paste};
 use super::layout::{Layout, Loop};
 use super::order::{HardEdge, edge_alpha, mask_pixels, visible_edges};
-use super::overlay::{SHOWS, middle, near_poles};
+use super::overlay::{SHOWS, middle};
 use crate::exemplar::{CoverageMask, TexturePatch};
 use crate::mesh::SurfacePoint;
 use crate::progress::Progress;
@@ -97,9 +97,8 @@ impl Smaller {
     /// # Errors
     /// If cancelled.
     pub fn lay(&self, work: &mut Loop, loose: &[bool], seed: u64, progress: &dyn Progress) -> Result<usize, PasteError> {
-        let polar = near_poles(work.input().mesh, work.input().guide);
         let guide = work.input().guide;
-        let free = |at: SurfacePoint, patch: usize| loose[usize::from(self.patches[patch].exemplar)] || polar[at.face as usize];
+        let free = |_: SurfacePoint, patch: usize| loose[usize::from(self.patches[patch].exemplar)];
         let (mut laid, mut stream) = (0, STREAM);
         for among in &self.widths {
             for _ in 0..ROUNDS {

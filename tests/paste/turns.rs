@@ -106,16 +106,21 @@ fn stays_inside(lapped: &LappedTexture) {
 }
 
 #[test]
-fn checks_are_turned_by_quarters_alone_and_what_has_an_up_not_at_all() {
+fn checks_are_turned_by_quarters_alone_and_nothing_is_under_a_direction() {
     let wave = |v: u32| ((v as f32 + 0.5) / 128.0 * 4.4 * std::f32::consts::TAU).sin();
     let checks =
         Exemplar::new("checks", Image::from_fn(128, 128, |x, y| Vec3::new(0.5, 0.4, 0.3) * (1.0 + 0.9 * wave(x) * wave(y))));
-    let made = on_a_sheet(checks, true, Steer::default());
+    let made = on_a_sheet(checks.clone(), true, Steer::Isotropic(None));
     assert!(made.lapped.pastes.iter().all(|p| p.turn.parts().is_multiple_of(TURNS / 4)));
-    assert!(made.report.paste.windows.turned > 0, "checks may be turned along a direction");
+    assert!(made.report.paste.windows.turned > 0, "checks may be turned where nothing gives a direction");
     stays_inside(&made.lapped);
     let scales = lapped::assets::exemplar("scales").unwrap();
-    let made = on_a_sheet(scales, true, Steer::default());
+    let made = on_a_sheet(scales.clone(), true, Steer::Isotropic(None));
     assert!(made.report.paste.windows.matched > 0);
-    assert!(made.lapped.pastes.iter().all(|p| p.turn == Turn::NONE), "scales point down");
+    assert!(made.lapped.pastes.iter().all(|p| p.turn == Turn::NONE), "scales have one way up");
+    for exemplar in [checks, scales] {
+        let made = on_a_sheet(exemplar, true, Steer::default());
+        assert!(made.report.paste.windows.matched > 0);
+        assert!(made.lapped.pastes.iter().all(|p| p.turn == Turn::NONE), "a direction is kept");
+    }
 }
